@@ -1,0 +1,5 @@
+"""Slope-steering tables, plans and forces for unmanned tracked vehicles."""
+
+from __future__ import annotations
+
+__version__ = "0.1.0"

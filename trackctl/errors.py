@@ -1,0 +1,109 @@
+"""Exception tree: each error carries its data and says what to change."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+
+class TrackctlError(Exception):
+    """Root of all errors that a user can mend."""
+
+
+class UsageError(TrackctlError):
+    """An option or argument has a value that is not allowed.
+
+    Parameters
+    ----------
+    option
+        The option as typed, such as ``--radius-m``.
+    value
+        What was given.
+    allowed
+        What would be accepted, as a phrase.
+    """
+
+    def __init__(self, option: str, value: object, allowed: str) -> None:
+        self.option = option
+        self.value = value
+        self.allowed = allowed
+        super().__init__(f"{option}: {value!s} is not allowed; allowed: {allowed}")
+
+
+class InputFileError(TrackctlError):
+    """A file cannot be read as what it should be.
+
+    Parameters
+    ----------
+    file
+        The file, or ``<stdin>``.
+    problem
+        What is wrong, as a phrase.
+    line
+        Line number from 1, where known.
+    """
+
+    def __init__(self, file: Path | str, problem: str, line: int | None = None) -> None:
+        self.file = file
+        self.problem = problem
+        self.line = line
+        where = f"{file}" if line is None else f"{file}, line {line}"
+        super().__init__(f"{where}: {problem}")
+
+
+class ProfileError(InputFileError):
+    """A vehicle or terrain profile holds a key or value that is not allowed.
+
+    Parameters
+    ----------
+    file
+        The profile file.
+    problem
+        What is wrong, naming key, value and what is allowed.
+    line
+        Line number from 1, where known.
+    key
+        The key at fault, where one is.
+    value
+        Its value.
+    """
+
+    def __init__(
+        self,
+        file: Path | str,
+        problem: str,
+        line: int | None = None,
+        key: str | None = None,
+        value: object = None,
+    ) -> None:
+        self.key = key
+        self.value = value
+        super().__init__(file, problem, line)
+
+
+class LutFormatError(InputFileError):
+    """A file is no look-up table that this version can read."""
+
+
+class LutMismatchError(InputFileError):
+    """A look-up table was made for another vehicle, terrain or gravity than asked for."""
+
+
+class OutputError(TrackctlError):
+    """An output file cannot be written.
+
+    Parameters
+    ----------
+    file
+        The output file.
+    problem
+        What is wrong and what to do, as a phrase.
+    """
+
+    def __init__(self, file: Path | str, problem: str) -> None:
+        self.file = file
+        self.problem = problem
+        super().__init__(f"{file}: {problem}")
+
+
+class NoAnswerError(TrackctlError):
+    """The question was well put and has no answer (exit code 1)."""
