@@ -1,0 +1,5 @@
+"""``python -m trackctl``."""
+
+from trackctl.cli.app import main
+
+main()

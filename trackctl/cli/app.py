@@ -1,0 +1,123 @@
+"""The command line: all commands, and how errors become exit codes.
+
+Heavy modules (numpy, numba, scipy, h5py, yaml) are imported inside the command functions, so that help and
+completion stay quick.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from trackctl import __version__
+from trackctl.cli import profiles
+from trackctl.cli.registration import add_command, help_texts
+from trackctl.errors import NoAnswerError, TrackctlError
+
+NO_ANSWER = 1
+BAD_INPUT = 2
+INTERRUPTED = 130
+
+#: One function per command, in the order of the help.
+COMMANDS: tuple[Callable[..., None], ...] = ()
+#: Groups of commands, by name.
+GROUPS = {"profiles": profiles.app}
+
+HELP = """Slope-steering tables, plans and forces for unmanned tracked vehicles.
+
+Data goes to standard output or -o FILE, words go to standard error.
+Exit codes: 0 done, 1 no answer, 2 bad input or usage, 130 after Ctrl-C.
+
+Example:
+  trackctl profiles list
+"""
+
+
+@contextmanager
+def exit_codes() -> Iterator[None]:
+    """Turn the errors that a user can mend into a message and an exit code."""
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except NoAnswerError as error:
+        raise _exit(NO_ANSWER, error) from None
+    except TrackctlError as error:
+        raise _exit(BAD_INPUT, error) from None
+    except KeyboardInterrupt:
+        raise _exit(INTERRUPTED) from None
+    except BrokenPipeError:
+        _drop_standard_output()
+        raise _exit(0) from None
+    except OSError as error:
+        if error.filename is None:
+            _drop_standard_output()
+        raise _exit(BAD_INPUT, f"{error.filename or 'standard output'}: {error.strerror}") from None
+
+
+class Commands(TyperGroup):
+    """The commands, within `exit_codes`."""
+
+    def make_context(self, *args: Any, **settings: Any) -> Any:
+        """Read the options before the command; ``--help`` and ``--version`` end here."""
+        with exit_codes():
+            return super().make_context(*args, **settings)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Read the rest of the command line and run the command."""
+        with exit_codes():
+            return super().invoke(ctx)
+
+
+def _exit(code: int, message: object = "") -> typer.Exit:
+    if message:
+        typer.echo(f"Error: {message}", err=True)
+    return typer.Exit(code)
+
+
+def _drop_standard_output() -> None:
+    """Leave nothing for Python to write, and fail at, when it ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"trackctl {__version__}")
+        raise typer.Exit
+
+
+app = typer.Typer(
+    name="trackctl",
+    cls=Commands,
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    **help_texts(HELP),  # type: ignore[arg-type]
+)
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+for function in COMMANDS:
+    add_command(app, function)
+for name, group in GROUPS.items():
+    app.add_typer(group, name=name)
+
+
+def main() -> None:
+    """Run the command line."""
+    app(prog_name="trackctl")

@@ -1,0 +1,234 @@
+"""Checkpoint of a long run: finished blocks, appended to one file beside the output.
+
+A header line in JSON (format, version, digest of the request, the request itself) is followed by records:
+block index, payload length, CRC-32 of both and the payload, the payload; integers little-endian. A run killed
+at any moment leaves at worst a torn last record, which is cut off when the run is resumed.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import BinaryIO, Self
+
+from trackctl.errors import InputFileError, OutputError
+from trackctl.files.atomic import output_errors
+
+FORMAT = "trackctl-checkpoint"
+VERSION = 1
+MAX_HEADER_BYTES = 2**24
+READ_BYTES = 2**20
+
+INDEX_AND_LENGTH = struct.Struct("<qq")
+CHECKSUM = struct.Struct("<I")
+HEAD_BYTES = INDEX_AND_LENGTH.size + CHECKSUM.size
+
+
+def journal_path(output: Path) -> Path:
+    """Where the checkpoint of an output lies."""
+    return output.with_name(f"{output.name}.partial")
+
+
+class Journal:
+    """Finished blocks of a run, safe against its being killed; made by `create` or `resume`.
+
+    Memory holds only where each block lies. The file is locked against a second run until it is closed.
+    """
+
+    def __init__(self, path: Path, descriptor: int) -> None:
+        self.path = path
+        self._descriptor = descriptor
+        self._payloads: dict[int, tuple[int, int]] = {}
+        self._end = 0
+
+    @classmethod
+    def create(cls, path: Path, digest: str, description: Mapping[str, object], force: bool = False) -> Self:
+        """Start a checkpoint.
+
+        Parameters
+        ----------
+        path
+            The checkpoint file.
+        digest
+            Of all that the blocks depend on.
+        description
+            The same for people, in what JSON can hold.
+        force
+            Whether the work of an unfinished run may be dropped.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written, another run holds it, or it holds work and `force` is not set.
+        """
+        header = header_line(digest, description)
+        with cls._locked(path) as journal:
+            if not (force or journal._holds_at_most(header)):
+                raise OutputError(
+                    path, "holds the work of an unfinished run; --resume continues it, --force starts afresh"
+                )
+            journal._start(header)
+        return journal
+
+    @classmethod
+    def resume(cls, path: Path, digest: str, description: Mapping[str, object]) -> Self:
+        """Continue a checkpoint, its torn end cut off; start it if there is none. Parameters as of `create`.
+
+        Raises
+        ------
+        InputFileError
+            If the file is no checkpoint, or that of another request.
+        OutputError
+            If the file cannot be written, or another run holds it.
+        """
+        header = header_line(digest, description)
+        with cls._locked(path) as journal:
+            if journal._holds_at_most(header):
+                journal._start(header)
+            else:
+                journal._load(digest)
+        return journal
+
+    @classmethod
+    @contextmanager
+    def _locked(cls, path: Path) -> Iterator[Self]:
+        """An empty journal on a locked file, closed again if the block fails."""
+        with output_errors(path), ExitStack() as on_error:
+            journal = cls(path, locked_descriptor(path))
+            on_error.callback(journal.close)
+            yield journal
+            on_error.pop_all()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def append(self, block: int, payload: bytes) -> None:
+        """Add a finished block, in place of an earlier one of the same index.
+
+        Raises
+        ------
+        OutputError
+            If the disk is full or the like; the blocks before stay safe.
+        """
+        head = INDEX_AND_LENGTH.pack(block, len(payload))
+        checksum = zlib.crc32(payload, zlib.crc32(head))
+        self._write(head + CHECKSUM.pack(checksum) + payload)
+        self._payloads[block] = (self._end - len(payload), len(payload))
+
+    def read(self, block: int) -> bytes:
+        """The payload of one of `blocks`."""
+        offset, length = self._payloads[block]
+        return os.pread(self._descriptor, length, offset)
+
+    def blocks(self) -> set[int]:
+        """Indices of the blocks that are there."""
+        return set(self._payloads)
+
+    def close(self) -> None:
+        """Unlock the file and leave it for a later `resume`; to be called more than once if need be."""
+        if self._descriptor is not None:
+            os.close(self._descriptor)
+            self._descriptor = None
+
+    def discard(self) -> None:
+        """Remove the file, its work done."""
+        self.path.unlink(missing_ok=True)
+        self.close()
+
+    def _holds_at_most(self, header: bytes) -> bool:
+        """Whether the file is empty or was torn while this header was written."""
+        start = os.pread(self._descriptor, len(header), 0)
+        return len(start) < len(header) and header.startswith(start)
+
+    def _start(self, header: bytes) -> None:
+        os.ftruncate(self._descriptor, 0)
+        self._write(header)
+
+    def _write(self, content: bytes) -> None:
+        """Add bytes at the end, all or none; `_end` moves once they are there."""
+        with output_errors(self.path):
+            try:
+                written = 0
+                while written < len(content):
+                    written += os.pwrite(self._descriptor, content[written:], self._end + written)
+            except OSError:
+                os.ftruncate(self._descriptor, self._end)
+                raise
+        self._end += len(content)
+
+    def _load(self, digest: str) -> None:
+        """Find the whole records and cut off what follows them."""
+        with os.fdopen(os.dup(self._descriptor), "rb") as stream:
+            stream.seek(0)
+            check_header(self.path, stream.readline(MAX_HEADER_BYTES), digest)
+            self._end = stream.tell()
+            for block, length in whole_records(stream):
+                self._end = stream.tell()
+                self._payloads[block] = (self._end - length, length)
+        os.ftruncate(self._descriptor, self._end)
+
+
+def locked_descriptor(path: Path) -> int:
+    """Open a file to read and write, made if missing, and lock it."""
+    while True:
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        with ExitStack() as on_error:
+            on_error.callback(os.close, descriptor)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise OutputError(path, "is in use by another run; wait for it or choose another") from None
+            # The run that held it may have removed it between the two calls.
+            if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
+                on_error.pop_all()
+                return descriptor
+
+
+def header_line(digest: str, description: Mapping[str, object]) -> bytes:
+    """First line of a checkpoint."""
+    header = {"format": FORMAT, "version": VERSION, "digest": digest, "request": description}
+    return json.dumps(header).encode() + b"\n"
+
+
+def check_header(path: Path, line: bytes, digest: str) -> None:
+    """Raise an `InputFileError` unless a header line is of this format, version and request."""
+    try:
+        header = json.loads(line)
+    except (ValueError, RecursionError):
+        header = None
+    if not isinstance(header, dict) or header.get("format") != FORMAT:
+        raise InputFileError(path, "is no checkpoint of trackctl; --force replaces it", 1)
+    if header.get("version") != VERSION:
+        problem = f"is a checkpoint of version {header.get('version')}; this trackctl reads {VERSION}"
+        raise InputFileError(path, f"{problem}; --force starts afresh", 1)
+    if header.get("digest") != digest:
+        problem = "is the checkpoint of another request (other settings, profiles or axes)"
+        raise InputFileError(path, f"{problem}; --force starts afresh", 1)
+
+
+def whole_records(stream: BinaryIO) -> Iterator[tuple[int, int]]:
+    """Block index and payload length of each record up to the first torn or damaged one.
+
+    At each step the stream stands behind the record.
+    """
+    size = os.fstat(stream.fileno()).st_size
+    while len(head := stream.read(HEAD_BYTES)) == HEAD_BYTES:
+        block, length = INDEX_AND_LENGTH.unpack_from(head)
+        (expected,) = CHECKSUM.unpack_from(head, INDEX_AND_LENGTH.size)
+        if not 0 <= length <= size - stream.tell():
+            return
+        checksum = zlib.crc32(head[: INDEX_AND_LENGTH.size])
+        for start in range(0, length, READ_BYTES):
+            checksum = zlib.crc32(stream.read(min(READ_BYTES, length - start)), checksum)
+        if checksum != expected:
+            return
+        yield block, length

@@ -1,0 +1,67 @@
+"""Polynomials for exp, sin and cos that vectorise inside compiled loops.
+
+`math.exp` and its kin keep a loop scalar. The coefficients are Chebyshev interpolants, computed at import.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.polynomial import Chebyshev, Polynomial
+from numpy.typing import NDArray
+
+from trackctl.compiled import kernel
+
+Array = NDArray[np.float64]
+
+#: exp(-z) is taken as exp(-LARGEST_EXPONENT) beyond it: 4e-18, below rounding beside 1.
+LARGEST_EXPONENT = 40.0
+SQUARINGS = 6
+#: The rotation polynomials hold for |half angle| up to this. [rad]
+LARGEST_HALF_ANGLE = 1.6
+
+
+def monomials(function: Callable[[Array], Array], high: float, degree: int) -> tuple[float, ...]:
+    """Coefficients, lowest first, of the Chebyshev interpolant of a function on [0, high]."""
+    fit = Chebyshev.interpolate(function, degree, domain=[0.0, high])
+    return tuple(fit.convert(kind=Polynomial, domain=[-1.0, 1.0], window=[-1.0, 1.0]).coef.tolist())
+
+
+EXP = monomials(lambda z: np.exp(-z), LARGEST_EXPONENT / 2**SQUARINGS, 10)
+SINC = monomials(lambda z: np.sinc(np.sqrt(z) / np.pi), LARGEST_HALF_ANGLE**2, 8)
+COS = monomials(lambda z: np.cos(np.sqrt(z)), LARGEST_HALF_ANGLE**2, 8)
+
+
+@kernel
+def decay(exponent: float) -> float:
+    """exp(-exponent) for a non-negative exponent, to 1e-14 relative to 1."""
+    z = min(exponent, LARGEST_EXPONENT) * (1.0 / 2**SQUARINGS)
+    # fmt: off
+    e = EXP[0] + z * (EXP[1] + z * (EXP[2] + z * (EXP[3] + z * (EXP[4] + z * (EXP[5] + z * (
+        EXP[6] + z * (EXP[7] + z * (EXP[8] + z * (EXP[9] + z * EXP[10])))))))))
+    # fmt: on
+    e *= e
+    e *= e
+    e *= e
+    e *= e
+    e *= e
+    return e * e
+
+
+@kernel
+def sinc(z: float) -> float:
+    """sin(a)/a of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
+    # fmt: off
+    return SINC[0] + z * (SINC[1] + z * (SINC[2] + z * (SINC[3] + z * (SINC[4] + z * (
+        SINC[5] + z * (SINC[6] + z * (SINC[7] + z * SINC[8])))))))
+    # fmt: on
+
+
+@kernel
+def cosine(z: float) -> float:
+    """cos(a) of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
+    # fmt: off
+    return COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * (
+        COS[5] + z * (COS[6] + z * (COS[7] + z * COS[8])))))))
+    # fmt: on
