@@ -101,9 +101,7 @@ def test_rooms_depend_on_each_other_one_way():
 
 def test_a_stray_import_is_seen(tmp_path):
     source = tmp_path / "stray.py"
-    source.write_text(
-        "def f():\n    import yaml\n    from trackctl import __version__\n    from trackctl.lut.axes import Axes\n"
-        "from trackctl import files\n"
-    )
+    inside = ("import yaml", "from trackctl import __version__, files", "from trackctl.lut.axes import Axes")
+    source.write_text("\n    ".join(("def f():", *inside)))
     assert imported_rooms(source) == {"__init__", "lut", "files"}
     assert "yaml" in set(imported_modules(source))

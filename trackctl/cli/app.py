@@ -59,7 +59,7 @@ def exit_codes() -> Iterator[None]:
     except OSError as error:
         if error.filename is None:
             _drop_standard_output()
-        raise _exit(BAD_INPUT, f"{error.filename or 'standard output'}: {error.strerror}") from None
+        raise _exit(BAD_INPUT, f"{error.filename or 'input or output'}: {error.strerror or error}") from None
 
 
 class Commands(TyperGroup):

@@ -19,6 +19,8 @@ DEFAULT_VEHICLE = "utv-61cm"
 DEFAULT_TERRAIN = "asphalt"
 DEFAULT_GRAVITY = 9.80665
 DEFAULT_SEED = 0
+#: All cores that this process may use.
+DEFAULT_JOBS = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 MAX_GRAVITY = 100.0
 
 
@@ -35,11 +37,6 @@ def complete_terrain(incomplete: str) -> list[str]:
 def complete_profile(incomplete: str) -> list[str]:
     """Names of all profiles that start so, for the shell."""
     return complete_vehicle(incomplete) + complete_terrain(incomplete)
-
-
-def usable_cores() -> int:
-    """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _complete(kind: ProfileKind, incomplete: str) -> list[str]:
@@ -82,7 +79,6 @@ Jobs = Annotated[
     typer.Option(
         "--jobs",
         min=1,
-        default_factory=usable_cores,
         show_default="all cores",
         help="Cores to use; the output does not depend on it.",
     ),

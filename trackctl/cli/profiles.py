@@ -9,7 +9,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.registration import add_command, help_texts
-from trackctl.errors import ProfileError
+from trackctl.errors import ProfileError, TrackctlError
 from trackctl.files.profile_folders import ProfileKind
 
 
@@ -58,29 +58,34 @@ def show(
     typer.echo(text, nl=False)
 
 
-def check(files: Annotated[list[str], typer.Argument(metavar="FILE...", help="- reads stdin.")]) -> None:
+def check(
+    profiles: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="NAME|FILE...", autocompletion=options.complete_profile, help="- reads stdin."
+        ),
+    ],
+) -> None:
     """Check that files are vehicle or terrain profiles.
 
-    All files are checked, even after one with an error.
+    All are checked, even after one with an error.
 
     Example:
       trackctl profiles show m113 | trackctl profiles check -
     """
-    from trackctl.files.profile_yaml import kind_of_profile, parse_profile
-    from trackctl.files.strict_yaml import read_text
+    from trackctl.files.profile_yaml import kind_of_profile, parse_profile, read_profile
 
-    faults = 0
-    for source in files:
+    faults = []
+    for name_or_path in profiles:
         try:
-            text, file = read_text(source)
+            text, file = read_profile(name_or_path, *ProfileKind)
             profile = parse_profile(text, file)
         except ProfileError as error:
-            typer.echo(f"Error: {error}", err=True)
-            faults += 1
+            faults.append(str(error))
         else:
             typer.echo(f"{file}: ok, {kind_of_profile(profile)} {profile.name}")
     if faults:
-        raise typer.Exit(2)
+        raise TrackctlError("\n".join(faults))
 
 
 def new(

@@ -14,6 +14,7 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
+from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, Self
 
@@ -41,9 +42,9 @@ class Journal:
     Memory holds only where each block lies. The file is locked against a second run until it is closed.
     """
 
-    def __init__(self, path: Path, descriptor: int) -> None:
+    def __init__(self, path: Path, file: FileIO) -> None:
         self.path = path
-        self._descriptor = descriptor
+        self._file = file
         self._payloads: dict[int, tuple[int, int]] = {}
         self._end = 0
 
@@ -100,7 +101,7 @@ class Journal:
     def _locked(cls, path: Path) -> Iterator[Self]:
         """An empty journal on a locked file, closed again if the block fails."""
         with output_errors(path), ExitStack() as on_error:
-            journal = cls(path, locked_descriptor(path))
+            journal = cls(path, locked_file(path))
             on_error.callback(journal.close)
             yield journal
             on_error.pop_all()
@@ -127,17 +128,15 @@ class Journal:
     def read(self, block: int) -> bytes:
         """The payload of one of `blocks`."""
         offset, length = self._payloads[block]
-        return os.pread(self._descriptor, length, offset)
+        return os.pread(self._file.fileno(), length, offset)
 
     def blocks(self) -> set[int]:
         """Indices of the blocks that are there."""
         return set(self._payloads)
 
     def close(self) -> None:
-        """Unlock the file and leave it for a later `resume`; to be called more than once if need be."""
-        if self._descriptor is not None:
-            os.close(self._descriptor)
-            self._descriptor = None
+        """Unlock the file and leave it for a later `resume`."""
+        self._file.close()
 
     def discard(self) -> None:
         """Remove the file, its work done."""
@@ -146,11 +145,11 @@ class Journal:
 
     def _holds_at_most(self, header: bytes) -> bool:
         """Whether the file is empty or was torn while this header was written."""
-        start = os.pread(self._descriptor, len(header), 0)
+        start = os.pread(self._file.fileno(), len(header), 0)
         return len(start) < len(header) and header.startswith(start)
 
     def _start(self, header: bytes) -> None:
-        os.ftruncate(self._descriptor, 0)
+        self._file.truncate(0)
         self._write(header)
 
     def _write(self, content: bytes) -> None:
@@ -159,38 +158,42 @@ class Journal:
             try:
                 written = 0
                 while written < len(content):
-                    written += os.pwrite(self._descriptor, content[written:], self._end + written)
+                    written += os.pwrite(self._file.fileno(), content[written:], self._end + written)
             except OSError:
-                os.ftruncate(self._descriptor, self._end)
+                self._file.truncate(self._end)
                 raise
         self._end += len(content)
 
     def _load(self, digest: str) -> None:
         """Find the whole records and cut off what follows them."""
-        with os.fdopen(os.dup(self._descriptor), "rb") as stream:
+        with os.fdopen(os.dup(self._file.fileno()), "rb") as stream:
             stream.seek(0)
             check_header(self.path, stream.readline(MAX_HEADER_BYTES), digest)
             self._end = stream.tell()
             for block, length in whole_records(stream):
                 self._end = stream.tell()
                 self._payloads[block] = (self._end - length, length)
-        os.ftruncate(self._descriptor, self._end)
+        self._file.truncate(self._end)
 
 
-def locked_descriptor(path: Path) -> int:
+def locked_file(path: Path) -> FileIO:
     """Open a file to read and write, made if missing, and lock it."""
     while True:
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
         with ExitStack() as on_error:
-            on_error.callback(os.close, descriptor)
+            file = on_error.enter_context(FileIO(path, "r+", opener=create_or_open))
             try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 raise OutputError(path, "is in use by another run; wait for it or choose another") from None
             # The run that held it may have removed it between the two calls.
-            if path.exists() and os.path.samestat(os.fstat(descriptor), path.stat()):
+            if path.exists() and os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 on_error.pop_all()
-                return descriptor
+                return file
+
+
+def create_or_open(path: str, flags: int) -> int:
+    """Opener that neither truncates an existing file nor refuses a missing one."""
+    return os.open(path, flags | os.O_CREAT, 0o666)
 
 
 def header_line(digest: str, description: Mapping[str, object]) -> bytes:

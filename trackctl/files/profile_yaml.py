@@ -50,7 +50,7 @@ def read_profile(name_or_path: str, *kinds: ProfileKind) -> tuple[str, str]:
     """Text and file of a profile of one of these kinds, not yet checked."""
     if name_or_path == STDIN or not is_name(name_or_path):
         return read_text(name_or_path)
-    files = {name: path for kind in kinds for name, path in profile_files(kind).items()}
+    files = {name: path for kind in reversed(kinds) for name, path in profile_files(kind).items()}
     if name_or_path in files:
         return read_text(str(files[name_or_path]))
     folders = dict.fromkeys(str(folder) for kind in kinds for folder in search_folders(kind))

@@ -96,7 +96,7 @@ def read_entries(text: str, file: str) -> dict[str, Entry]:
 def number(entry: Entry, unit_size: float, allowed: str, node: yaml.Node | None = None) -> float:
     """The number of an entry, or of a node inside it, times `unit_size`.
 
-    The product is taken in decimals, so that 1.7 kPa are 1700 Pa to the last bit. `allowed` is for the message.
+    The product is taken in decimals, so that 1.7 kPa are 1700 Pa to the last bit.
     """
     node = node or entry.node
     if node.tag not in _NUMBER_TAGS:

@@ -23,6 +23,8 @@ Codes = NDArray[np.uint8]
 
 #: Interpolated values of a cell: left and right track speed over speed, sideslip.
 VALUE_COUNT = 3
+#: Float arrays of a `LookupResult`.
+ANSWER_COUNT = 7
 #: Queries to a pass: their weights stay in the cache.
 CHUNK = 4096
 UNKNOWN = -1
@@ -164,19 +166,20 @@ def look_up(
     slope, velocity, curvature, heading
         Operating points, broadcast to shape (n_queries,). [rad], [m/s], [1/m], [rad]
     method
-        Moving least squares and linear are robust, cubic is the most exact where the table is fine.
+        MLS has a continuous slope across cells, cubic errs least on a smooth table, linear counts the fewest
+        neighbours, so it answers nearest to infeasible cells.
     jobs
         Threads.
     """
     queries = np.broadcast_arrays(*(np.atleast_1d(axis) for axis in (slope, velocity, curvature, heading)))
     count = queries[0].size
-    answers = np.empty((7, count))
+    answers = np.empty((ANSWER_COUNT, count))
     status = np.empty(count, np.uint8)
 
     def answer(start: int) -> None:
         part = slice(start, start + CHUNK)
         points = np.stack([axis[part] for axis in queries], dtype=np.float64)
-        found = np.empty((7, points.shape[1]))
+        found = np.empty((ANSWER_COUNT, points.shape[1]))
         answer_all(interpolant.grid, method.code, points, found, status[part])
         answers[:, part] = found
 
@@ -212,7 +215,7 @@ def answer_all(grid: Grid, method: int, points: Array, answers: Array, status: C
     points
         Slope, velocity, curvature, heading, shape (4, n_queries).
     answers
-        Results in the order of `LookupResult`, shape (7, n_queries).
+        Results in the order of `LookupResult`, shape (ANSWER_COUNT, n_queries).
     status
         Result, shape (n_queries,).
     """

@@ -33,7 +33,13 @@ def split(motion: TrackMotion, ground: Contact) -> tuple[float, float]:
 
 @kernel
 def balance(
-    model: TrackModel, point: OperatingPoint, rule: Rule, unknowns: Array, residual: Array, jacobian: Array
+    model: TrackModel,
+    point: OperatingPoint,
+    rule: Rule,
+    unknowns: Array,
+    residual: Array,
+    jacobian: Array,
+    traction: Array,
 ) -> None:
     """Residuals of eqs (30)-(32), in units of m g, m g and m g L, and their exact derivatives.
 
@@ -47,6 +53,8 @@ def balance(
         Left and right track speed over vehicle speed [-], sideslip angle [rad], shape (3,).
     residual, jacobian
         Results, shapes (3,) and (3, 3).
+    traction
+        Result: forward shear force of the ground on the left and right track, in units of m g, shape (2,).
     """
     sideslip = unknowns[2]
     sin_beta, cos_beta = math.sin(sideslip), math.cos(sideslip)
@@ -96,6 +104,7 @@ def balance(
                 f_x_b -= outward * shear.forward_by_sideslip
                 f_y_b -= outward * shear.left_by_sideslip
                 m_b -= outward * shear.moment_by_sideslip
+        traction[track] = f_x + model.resistance * load
         F_x += f_x
         F_y += f_y
         M += m - model.cog_forward * f_y - arm * f_x

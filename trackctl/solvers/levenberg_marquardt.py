@@ -1,12 +1,21 @@
 """Levenberg-Marquardt for square systems in a box: undamped where that works, damped where it does not.
 
-A function to be solved is a kernel `evaluate(problem, x, residual, jacobian)` that fills both arrays; `problem` is any
-value that it understands.
+The parts of the method, for a loop that evaluates the function itself (reverse communication, so that a compiled loop
+can be cached and the method knows nothing of the problem)::
+
+    evaluate(x, work.residual, work.jacobian)
+    damping = 0.0
+    while not is_solved(work, tolerance) and damping < LARGEST_DAMPING:
+        if propose(x, damping, lower, upper, work):
+            evaluate(work.trial, work.trial_residual, work.trial_jacobian)
+            damping = judge(x, damping, work)
+        else:
+            damping = more_damping(damping)
 """
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,6 +57,12 @@ def largest(values: Array) -> float:
 
 
 @kernel
+def is_solved(work: Workspace, tolerance: float) -> bool:
+    """Whether every residual is within the tolerance."""
+    return largest(work.residual) <= tolerance
+
+
+@kernel
 def sum_of_squares(values: Array) -> float:
     """Sum of squares."""
     total = 0.0
@@ -83,54 +98,30 @@ def descent(work: Workspace, damping: float) -> float:
 
 
 @kernel
-def levenberg_marquardt(
-    evaluate: Any, problem: Any, lower: Array, upper: Array, x: Array, settings: Settings, work: Workspace
-) -> tuple[bool, int]:
-    """Solve a square system from x, which is improved in place and kept in the box.
+def propose(x: Array, damping: float, lower: Array, upper: Array, work: Workspace) -> bool:
+    """Next trial point, kept in the box, into `work.trial`; False where the damped system is singular."""
+    if descent(work, damping) == 0.0:
+        return False
+    for i in range(x.size):
+        work.trial[i] = min(max(x[i] - work.step[i], lower[i]), upper[i])
+    return True
 
-    A step that does not lower the sum of squares is shortened by damping; one that does resets the damping towards
-    Newton's step.
 
-    Parameters
-    ----------
-    evaluate, problem
-        The function, see the module.
-    lower, upper
-        Box, shape (n,).
-    x
-        Start and result, shape (n,).
-    settings
-        When to stop.
-    work
-        Scratch; holds residual and Jacobian at x afterwards.
+@kernel
+def judge(x: Array, damping: float, work: Workspace) -> float:
+    """Take the trial point if it lowers the sum of squares; the damping of the next step.
 
-    Returns
-    -------
-    tuple of bool and int
-        Whether the tolerance was met, and the number of evaluations.
+    A success lowers the damping towards Newton's step, a failure shortens the next step.
     """
-    n = x.size
-    evaluate(problem, x, work.residual, work.jacobian)
-    evaluations = 1
-    damping = 0.0
-    squares = sum_of_squares(work.residual)
-    while evaluations < settings.evaluations:
-        if largest(work.residual) <= settings.tolerance:
-            return True, evaluations
-        if descent(work, damping) != 0.0:
-            for i in range(n):
-                work.trial[i] = min(max(x[i] - work.step[i], lower[i]), upper[i])
-            evaluate(problem, work.trial, work.trial_residual, work.trial_jacobian)
-            evaluations += 1
-            trial_squares = sum_of_squares(work.trial_residual)
-            if trial_squares < squares:
-                squares = trial_squares
-                x[:] = work.trial
-                work.residual[:] = work.trial_residual
-                work.jacobian[:] = work.trial_jacobian
-                damping = damping / DAMPING_FACTOR if damping > FIRST_DAMPING else 0.0
-                continue
-        damping = max(DAMPING_FACTOR * damping, FIRST_DAMPING)
-        if not damping < LARGEST_DAMPING:
-            break
-    return largest(work.residual) <= settings.tolerance, evaluations
+    if sum_of_squares(work.trial_residual) < sum_of_squares(work.residual):
+        x[:] = work.trial
+        work.residual[:] = work.trial_residual
+        work.jacobian[:] = work.trial_jacobian
+        return damping / DAMPING_FACTOR if damping > FIRST_DAMPING else 0.0
+    return more_damping(damping)
+
+
+@kernel
+def more_damping(damping: float) -> float:
+    """Damping after a failed step."""
+    return max(DAMPING_FACTOR * damping, FIRST_DAMPING)

@@ -1,5 +1,13 @@
 """Particle swarm in a box: global search whose inertia falls, so that it ends as a local one.
 
+The parts of the method, for a loop that evaluates the cost itself (see `levenberg_marquardt`)::
+
+    scatter(flock, lower, upper, stream)
+    for iteration in range(settings.iterations):
+        for i in range(particles):
+            leader = record(flock, i, cost(flock.position[i]), leader)
+        move(flock, leader, inertia_at(settings, iteration), settings, lower, upper, stream)
+
 References
 ----------
 .. [1] Kennedy, Eberhart, Particle swarm optimization, 1995, doi 10.1109/ICNN.1995.488968.
@@ -8,15 +16,13 @@ References
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.solvers.levenberg_marquardt import sum_of_squares
 from trackctl.solvers.random_stream import Stream, uniform
-from trackctl.solvers.workspace import Workspace
 
 Array = NDArray[np.float64]
 
@@ -105,36 +111,18 @@ def move(flock: Swarm, leader: int, inertia: float, settings: Settings, lower: A
 
 
 @kernel
-def particle_swarm(
-    evaluate: Any,
-    problem: Any,
-    lower: Array,
-    upper: Array,
-    settings: Settings,
-    stream: Stream,
-    flock: Swarm,
-    work: Workspace,
-) -> int:
-    """Search the box for the least sum of squares of `evaluate(problem, x, residual, jacobian)`.
-
-    Returns
-    -------
-    int
-        The particle whose best is the swarm's; every particle's best stays in `flock` as a start for a local solver.
-    """
-    scatter(flock, lower, upper, stream)
-    leader = 0
-    for iteration in range(settings.iterations + 1):
-        for i in range(flock.cost.size):
-            evaluate(problem, flock.position[i], work.residual, work.jacobian)
-            cost = sum_of_squares(work.residual)
-            if cost < flock.cost[i]:
-                flock.cost[i] = cost
-                flock.best[i] = flock.position[i]
-                if cost < flock.cost[leader]:
-                    leader = i
-        if iteration < settings.iterations:
-            share = iteration / max(settings.iterations - 1, 1)
-            inertia = settings.first_inertia + share * (settings.last_inertia - settings.first_inertia)
-            move(flock, leader, inertia, settings, lower, upper, stream)
+def record(flock: Swarm, particle: int, cost: float, leader: int) -> int:
+    """Note what a particle's position costs; the particle that now leads the swarm."""
+    if cost < flock.cost[particle]:
+        flock.cost[particle] = cost
+        flock.best[particle] = flock.position[particle]
+        if cost < flock.cost[leader]:
+            return particle
     return leader
+
+
+@kernel
+def inertia_at(settings: Settings, iteration: int) -> float:
+    """Inertia of a move, falling linearly over the iterations."""
+    share = iteration / max(settings.iterations - 1, 1)
+    return settings.first_inertia + share * (settings.last_inertia - settings.first_inertia)
