@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, RegularGridInterpolator, make_interp_spline
 
 from trackctl.lut.axes import FULL_CIRCLE, Axes
-from trackctl.lut.interpolation import interpolant, look_up
+from trackctl.lut.interpolation import LookupResult, interpolant, look_up
 from trackctl.lut.shape_functions import Method
 from trackctl.lut.table import Table
 from trackctl.profiles.terrain import TerrainProfile
@@ -24,8 +24,8 @@ from trackctl.profiles.vehicle import VehicleProfile
 Array = NDArray[np.float64]
 #: From slope, velocity, curvature, heading to left and right track speed over speed and sideslip.
 Truth = Callable[[Array, Array, Array, Array], tuple[Array, Array, Array]]
-#: From points, shape (n, 4), to the same three, shape (n, 3).
-Answerer = Callable[[Array], Array]
+#: From points, shape (4, n), to the same three, shape (n, 3), or more.
+Answerer = Callable[[Array], LookupResult | Array]
 
 QUERIES = 1_000_000
 SPLINE_QUERIES = 50_000
@@ -36,7 +36,7 @@ PADDING = 12
 def closed_form(
     slope: Array, velocity: Array, curvature: Array, heading: Array
 ) -> tuple[Array, Array, Array]:
-    """A table's shape: sideslip with a rounded bend at straight driving, speeds that grow towards the grip limit."""
+    """What a table looks like: a rounded bend at straight driving, growth towards the grip limit."""
     up, across = np.sin(slope) * np.cos(heading), np.sin(slope) * np.sin(heading)
     bend = np.hypot(curvature, 0.03)
     demand = np.tanh(0.1 * velocity**2 * curvature - 0.5 * across)
@@ -78,7 +78,7 @@ def synthetic_table(truth: Truth) -> Table:
         slope=np.array([0.2]),
         velocity=np.linspace(0.5, 8.0, 16),
         curvature=np.append(0.0, 1.0 / np.arange(50.0, 2.0, -1.0)),
-        heading=np.arange(360) * (FULL_CIRCLE / 360),
+        heading=np.arange(360.0) * (FULL_CIRCLE / 360),
         heading_is_periodic=True,
     )
     left, right, sideslip = truth(
@@ -90,7 +90,7 @@ def synthetic_table(truth: Truth) -> Table:
 
 
 def random_points(axes: Axes, count: int) -> Array:
-    """Points all over a table of one slope, even in velocity, turn radius and heading, shape (count, 4)."""
+    """Points all over a table of one slope, even in velocity, turn radius and heading, shape (4, count)."""
     generator = np.random.default_rng(0)
     return np.stack(
         [
@@ -98,8 +98,7 @@ def random_points(axes: Axes, count: int) -> Array:
             generator.uniform(axes.velocity[0], axes.velocity[-1], count),
             1.0 / generator.uniform(1.0 / axes.curvature[-1], 1.5 / axes.curvature[1], count),
             generator.uniform(0.0, FULL_CIRCLE, count),
-        ],
-        axis=1,
+        ]
     )
 
 
@@ -107,23 +106,28 @@ def our_answerers(table: Table) -> dict[str, Answerer]:
     """Each method, on one thread and on all."""
     packed = interpolant(table)
 
-    def answer(points: Array, method: Method, jobs: int) -> Array:
-        found = look_up(packed, *points.T, method, jobs)
-        return np.stack(
-            [found.track_speed_left / points[:, 1], found.track_speed_right / points[:, 1], found.sideslip],
-            axis=1,
-        )
+    def answer(points: Array, method: Method, jobs: int) -> LookupResult:
+        slope, velocity, curvature, heading = points
+        return look_up(packed, slope, velocity, curvature, heading, method, jobs)
 
-    threads = os.cpu_count() or 1
     return {
         f"{method}, {jobs} thread{'s'[: jobs > 1]}": partial(answer, method=method, jobs=jobs)
         for method in Method
-        for jobs in dict.fromkeys((1, threads))
+        for jobs in dict.fromkeys((1, os.cpu_count() or 1))
     }
 
 
+def ratios(answer: LookupResult | Array, points: Array) -> Array:
+    """Left and right track speed over speed and sideslip, shape (n, 3)."""
+    if isinstance(answer, LookupResult):
+        velocity = points[1]
+        columns = answer.track_speed_left / velocity, answer.track_speed_right / velocity, answer.sideslip
+        return np.stack(columns, axis=1)
+    return answer
+
+
 def scipy_answerers(table: Table) -> dict[str, Answerer]:
-    """scipy's interpolators over velocity, curvature and heading, the heading periodic by padding."""
+    """Interpolators of scipy over velocity, curvature and heading, the heading periodic by padding."""
     axes = table.axes
     columns = np.arange(-PADDING, axes.heading.size + PADDING + 1)
     turns, wrapped = np.divmod(columns, axes.heading.size)
@@ -141,9 +145,9 @@ def scipy_answerers(table: Table) -> dict[str, Answerer]:
     linear = RegularGridInterpolator(nodes, values, "linear")
     cubic = RegularGridInterpolator(nodes, values, "cubic")
     return {
-        "scipy RegularGridInterpolator linear": lambda points: linear(points[:, 1:]),
-        "scipy RegularGridInterpolator cubic": lambda points: cubic(points[:, 1:]),
-        "scipy NdBSpline cubic": lambda points: spline(points[:, 1:]),
+        "scipy RegularGridInterpolator linear": lambda points: linear(points[1:].T),
+        "scipy RegularGridInterpolator cubic": lambda points: cubic(points[1:].T),
+        "scipy NdBSpline cubic": lambda points: spline(points[1:].T),
     }
 
 
@@ -164,7 +168,7 @@ def nanoseconds(answerers: dict[str, Answerer], points: dict[str, Array]) -> dic
         for name, answer in answerers.items():
             start = perf_counter()
             answer(points[name])
-            best[name] = min(best[name], (perf_counter() - start) * 1e9 / len(points[name]))
+            best[name] = min(best[name], (perf_counter() - start) * 1e9 / points[name].shape[1])
     return best
 
 
@@ -173,20 +177,21 @@ def compare(table: Table, truth: Truth) -> None:
     ours, others = our_answerers(table), scipy_answerers(table)
     answerers = ours | others
     few, many = random_points(table.axes, SPLINE_QUERIES), random_points(table.axes, QUERIES)
-    expected = np.stack(truth(*few.T), axis=1)
-    errors = {name: np.abs(answer(few) - expected) for name, answer in answerers.items()}
+    expected = np.stack(truth(*few), axis=1)
+    errors = {name: np.abs(ratios(answer(few), few) - expected) for name, answer in answerers.items()}
     times = nanoseconds(answerers, {name: many if name in ours else few for name in answerers})
     reference = times[f"{Method.MLS}, 1 thread"]
+    print(f"table {table.axes.shape}, {QUERIES} random queries (scipy {SPLINE_QUERIES}), best of {ROUNDS}")
     print(
-        f"table {table.axes.shape}, {QUERIES} random queries at once (scipy {SPLINE_QUERIES}), best of {ROUNDS}"
+        "error of track speeds over speed and of sideslip [rad], at radii of the table and beyond the largest"
     )
-    print(f"{'':38}{'ns/query':>10}{'ratio':>8}{'speed/v max':>13}{'RMS':>9}{'sideslip max':>14}{'RMS':>9}")
+    print(f"{'':38}{'ns/query':>10}{'ratio':>8}{'arcs: max':>12}{'RMS':>9}{'straight: max':>16}{'RMS':>9}")
+    arc = few[2] > table.axes.curvature[1]
     for name, error in errors.items():
-        speed, sideslip = error[:, :2], error[:, 2]
-        print(
-            f"{name:38}{times[name]:10.0f}{times[name] / reference:8.2f}{speed.max():13.1e}"
-            f"{np.sqrt(np.mean(speed**2)):9.1e}{sideslip.max():14.1e}{np.sqrt(np.mean(sideslip**2)):9.1e}"
-        )
+        columns = f"{name:38}{times[name]:10.0f}{times[name] / reference:8.2f}"
+        for part, width in ((error[arc], 12), (error[~arc], 16)):
+            columns += f"{part.max():{width}.1e}{np.sqrt(np.mean(part**2)):9.1e}"
+        print(columns)
 
 
 if __name__ == "__main__":

@@ -6,13 +6,15 @@ at the file of the outermost function, so without the digest an edit to an inner
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
+import llvmlite.binding
 import numba
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
@@ -47,11 +49,37 @@ def kernels_are_compiled() -> bool:
     return kernel_folder().is_dir() and any(kernel_folder().rglob("*.nbc"))
 
 
+@contextlib.contextmanager
+def cached_in_kernel_folder() -> Iterator[None]:
+    """Let numba cache what is compiled in the block in `kernel_folder`."""
+    config: Any = numba.config
+    before = config.CACHE_DIR
+    config.CACHE_DIR = str(kernel_folder())
+    try:
+        yield
+    finally:
+        config.CACHE_DIR = before
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile a function with the package's settings: cached, without the GIL, vectorisable loops."""
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = str(kernel_folder())
-    try:
-        return numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)  # type: ignore[no-any-return]
-    finally:
-        numba.config.CACHE_DIR = before
+    with cached_in_kernel_folder():
+        compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)
+    return compiled
+
+
+def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
+    """Compile a function once, for kernels that call it by address.
+
+    numba compiles a kernel anew into each of its callers; a large one that many kernels call would take most of the
+    first run's time. Arguments are numbers and pointers.
+    """
+
+    def link(function: Callable[..., None]) -> Any:
+        with cached_in_kernel_folder():
+            compiled = numba.cfunc(signature, cache=True, error_model="numpy", fastmath=FASTMATH)(function)
+        name = f"{function.__module__}.{function.__qualname__}"
+        llvmlite.binding.add_symbol(name, compiled.address)
+        return numba.types.ExternalFunction(name, signature)
+
+    return link

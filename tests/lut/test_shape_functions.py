@@ -31,10 +31,10 @@ def weights_at(
 ) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
     """Weights, node numbers and the inside flag of each point."""
     weights = np.zeros((points.size, 4))
-    numbers = np.zeros((points.size, 4), np.int64)
+    numbers = np.zeros((points.size, 4), np.uint64)
     inside = np.ones(points.size, np.bool_)
     weigh(axis, method.code, np.array(points), weights, numbers, inside)
-    return weights, numbers, inside
+    return weights, numbers.astype(np.int64), inside
 
 
 def interpolated(axis: Stencils, method: Method, points: Array, values: Array) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.cell import Solver, evaluate
+from trackctl.lut.cell import Solver, evaluate, model_of
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers import continuation
@@ -43,7 +43,7 @@ def point_at(solver: Solver, way: Way, parameter: float) -> OperatingPoint:
     """Operating point on the way."""
     velocity = way.first_velocity + parameter * (way.last_velocity - way.first_velocity)
     heading = way.first_heading + parameter * (way.last_heading - way.first_heading)
-    return operating_point(solver.model, way.slope, velocity, way.curvature, heading)
+    return operating_point(model_of(solver), way.slope, velocity, way.curvature, heading)
 
 
 @kernel
@@ -72,7 +72,7 @@ def corrected(solver: Solver, way: Way, line: continuation.Curve) -> bool:
 def limit_of(solver: Solver, way: Way, line: continuation.Curve) -> int:
     """The limit that the curve's point exceeds; leaving the physical box is want of grip."""
     x = line.point[:3]
-    exceeded = exceeded_limit(solver.model, point_at(solver, way, line.point[3]), x)
+    exceeded = exceeded_limit(model_of(solver), point_at(solver, way, line.point[3]), x)
     if exceeded == ADMISSIBLE and outside_box(x):
         return GRIP
     return exceeded
@@ -88,9 +88,8 @@ def follow(solver: Solver, way: Way, x: Array) -> int:
         `REACHED`; or the limit at which the branch ends on the way (a fold is want of grip); or `LOST`. x holds the last
         root found.
     """
-    line = continuation.curve(3)
+    line = solver.curve
     continuation.start(line, x)
-    line.predicted[:] = line.point
     border(solver, way, line)
     if not continuation.turn(line):
         return LOST
@@ -101,12 +100,13 @@ def follow(solver: Solver, way: Way, x: Array) -> int:
         step = min(step, (1.0 - line.point[3]) / line.tangent[3])
         continuation.predict(line, step)
         if not corrected(solver, way, line):
-            line.point[:] = line.before
+            continuation.step_back(line)
             step *= continuation.SHRINK
             if step < continuation.SMALLEST_STEP:
                 return LOST
             continue
-        x[:] = line.point[:3]
+        for i in range(3):
+            x[i] = line.point[i]
         exceeded = limit_of(solver, way, line)
         if exceeded != ADMISSIBLE:
             return exceeded

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
+from numba import carray, types
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import kernel, linked
 from trackctl.mechanics.equilibrium import balance
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import TrackModel
-from trackctl.mechanics.quadrature import Rule
+from trackctl.mechanics.quadrature import rules
 from trackctl.solvers import levenberg_marquardt as lm
-from trackctl.solvers.workspace import Workspace, workspace
+from trackctl.solvers.continuation import curve
+from trackctl.solvers.particle_swarm import swarm
+from trackctl.solvers.workspace import workspace
 
 Array = NDArray[np.float64]
 
@@ -24,43 +27,76 @@ TOLERANCE = 1e-10
 WARM_EVALUATIONS = 14
 
 
-class Solver(NamedTuple):
-    """What a thread needs to solve cells.
+#: Quadrature of the answers, and of a swarm that only has to find the valley.
+FINE, COARSE = rules(), rules((8,))
+MODEL_SIZE = len(TrackModel._fields)
+POINT_SIZE = len(OperatingPoint._fields)
 
-    Attributes
-    ----------
-    model
-        Vehicle on its terrain.
-    rule
-        Quadrature.
-    lower, upper
-        Physical box of the unknowns, shape (3,).
-    work
-        Scratch memory; residual and Jacobian of the last solution.
-    traction
-        Track forces of the last evaluation, shape (2,). [-]
-    """
+DOUBLES = types.CPointer(types.float64)
 
-    model: TrackModel
-    rule: Rule
-    lower: Array
-    upper: Array
-    work: Workspace
-    traction: Array
+
+@linked(types.void(DOUBLES, types.boolean, DOUBLES, DOUBLES, DOUBLES, DOUBLES))
+def linked_balance(  # type: ignore[no-untyped-def]
+    numbers, coarse, unknowns, residual, jacobian, traction
+):
+    """`balance` by address; `numbers` are the fields of a `TrackModel`, then of an `OperatingPoint`."""
+    n = carray(numbers, MODEL_SIZE + POINT_SIZE)
+    model = TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
+    point = OperatingPoint(n[10], n[11], n[12], n[13], n[14])
+    x, r, J, t = carray(unknowns, 3), carray(residual, 3), carray(jacobian, (3, 3)), carray(traction, 2)
+    balance(model, point, COARSE if coarse else FINE, x, r, J, t)
+
+
+#: A record of the type `SOLVER`: what a thread needs to solve cells.
+Solver = Any
+
+PARTICLES = 16
+SOLVER = np.dtype(
+    [
+        ("numbers", np.float64, MODEL_SIZE + POINT_SIZE),  # of the model, then of the operating point
+        ("coarse", np.bool_),  # whether the balance is the swarm's
+        ("lower", np.float64, 3),  # physical box of the unknowns
+        ("upper", np.float64, 3),
+        ("traction", np.float64, 2),  # track forces of the last evaluation [-]
+        ("work", workspace(3)),  # holds the balance of the last solution
+        ("flock", swarm(PARTICLES, 3)),
+        ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
+        ("flock_upper", np.float64, 3),
+        ("curve", curve(3)),
+    ],
+    align=True,
+)
+
+
+def solver(model: TrackModel) -> NDArray[np.void]:
+    """A thread's solver, shape (1,): track speeds from 0.01 to 6 times the vehicle's, sideslip up to 60 degrees."""
+    memory = np.zeros(1, SOLVER)
+    memory["numbers"][0, :MODEL_SIZE] = model
+    memory["lower"] = (SLOWEST_TRACK, SLOWEST_TRACK, -LARGEST_SIDESLIP)
+    memory["upper"] = (FASTEST_TRACK, FASTEST_TRACK, LARGEST_SIDESLIP)
+    return memory
 
 
 @kernel
-def solver(model: TrackModel, rule: Rule) -> Solver:
-    """A thread's solver: track speeds from 0.01 to 6 times the vehicle's, sideslip up to 60 degrees."""
-    lower = np.array([SLOWEST_TRACK, SLOWEST_TRACK, -LARGEST_SIDESLIP])
-    upper = np.array([FASTEST_TRACK, FASTEST_TRACK, LARGEST_SIDESLIP])
-    return Solver(model, rule, lower, upper, workspace(3), np.empty(2))
+def model_of(solver: Solver) -> TrackModel:
+    """The model that a solver was made for."""
+    n = solver.numbers
+    return TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
 
 
 @kernel
 def evaluate(solver: Solver, point: OperatingPoint, x: Array, residual: Array, jacobian: Array) -> None:
     """Balance at x."""
-    balance(solver.model, point, solver.rule, x, residual, jacobian, solver.traction)
+    for i, value in enumerate(point):
+        solver.numbers[MODEL_SIZE + i] = value
+    linked_balance(
+        solver.numbers.ctypes,
+        solver.coarse,
+        x.ctypes,
+        residual.ctypes,
+        jacobian.ctypes,
+        solver.traction.ctypes,
+    )
 
 
 @kernel

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import REACHED, Way, follow
-from trackctl.lut.cell import Solver, residual_at, solve_warm
+from trackctl.lut.cell import Solver, model_of, residual_at, solve_warm
+from trackctl.lut.cells import PENDING, Cells
 from trackctl.lut.point import CLEARLY_UNBALANCED, NOT_CONVERGED
-from trackctl.lut.swarm_search import Searcher, no_slip, search
+from trackctl.lut.swarm_search import no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers.levenberg_marquardt import largest
@@ -27,8 +28,6 @@ from trackctl.solvers.random_stream import stream
 
 Array = NDArray[np.float64]
 
-#: Status of a cell not decided yet.
-PENDING = 255
 #: Most neighbours that a start is extrapolated from; coefficients of row m - 1 go with m of them, nearest first.
 MOST_NEIGHBOURS = 6
 EXTRAPOLATION = np.array(
@@ -68,50 +67,28 @@ class Column(NamedTuple):
     seed: int
 
 
-class Cells(NamedTuple):
-    """What became of a column's cells, shapes (n_velocity, n_heading, ...).
-
-    Attributes
-    ----------
-    unknowns
-        Left and right track speed ratio [-] and sideslip [rad]; NaN where no root was found.
-    traction
-        Shear force on the left and right track, in units of m g.
-    residual
-        Largest residual (without a root, the least met). [-]
-    status
-        Codes of `trackctl.lut.table.Status`; `PENDING` while undecided.
-    """
-
-    unknowns: Array
-    traction: Array
-    residual: Array
-    status: NDArray[np.uint8]
-
-
 @kernel
-def point_of(searcher: Searcher, column: Column, row: int, cell: int) -> OperatingPoint:
+def point_of(solver: Solver, column: Column, row: int, cell: int) -> OperatingPoint:
     """Operating point of a cell."""
-    model = searcher.fine.model
+    model = model_of(solver)
     return operating_point(model, column.slope, column.velocity[row], column.curvature, column.heading[cell])
 
 
 @kernel
 def has_root(cells: Cells, row: int, cell: int) -> bool:
     """Whether a cell has a root, be it one beyond a limit."""
-    return row >= 0 and not math.isnan(cells.unknowns[row, cell, 0])
+    return row >= 0 and not math.isnan(cells[row, cell].unknowns[0])
 
 
 @kernel
-def store(searcher: Searcher, cells: Cells, row: int, cell: int, point: OperatingPoint, x: Array) -> None:
+def store(solver: Solver, cells: Cells, row: int, cell: int, point: OperatingPoint, x: Array) -> None:
     """Note the root just found."""
-    solver = searcher.fine
-    cells.status[row, cell] = exceeded_limit(solver.model, point, x)
-    cells.residual[row, cell] = largest(solver.work.residual)
+    cells[row, cell].status = exceeded_limit(model_of(solver), point, x)
+    cells[row, cell].residual = largest(solver.work.residual)
     for i in range(3):
-        cells.unknowns[row, cell, i] = x[i]
+        cells[row, cell].unknowns[i] = x[i]
     for i in range(2):
-        cells.traction[row, cell, i] = solver.traction[i]
+        cells[row, cell].traction[i] = solver.traction[i]
 
 
 @kernel
@@ -133,30 +110,29 @@ def extrapolate(column: Column, cells: Cells, row: int, cell: int, direction: in
         before = neighbour(column, cell, -direction * (k + 1))
         weight = EXTRAPOLATION[known - 1, k]
         for i in range(3):
-            x[i] += weight * cells.unknowns[row, before, i]
+            x[i] += weight * cells[row, before].unknowns[i]
 
 
 @kernel
 def sweep(
-    searcher: Searcher, column: Column, cells: Cells, row: int, first: int, direction: int, count: int, x: Array
+    solver: Solver, column: Column, cells: Cells, row: int, first: int, direction: int, count: int, x: Array
 ) -> None:
     """Solve the pending cells of a row in the order of travel, from where neighbours or the row below are known."""
-    solver = searcher.fine
     known = 0
     cell = first
     for _ in range(count):
-        if cells.status[row, cell] == PENDING:
-            point = point_of(searcher, column, row, cell)
+        if cells[row, cell].status == PENDING:
+            point = point_of(solver, column, row, cell)
             solved = False
             if known > 0:
                 extrapolate(column, cells, row, cell, direction, min(known, MOST_NEIGHBOURS), x)
                 solved = solve_warm(solver, point, x)
             if not solved and has_root(cells, row - 1, cell):
                 for i in range(3):
-                    x[i] = cells.unknowns[row - 1, cell, i]
+                    x[i] = cells[row - 1, cell].unknowns[i]
                 solved = solve_warm(solver, point, x)
             if solved:
-                store(searcher, cells, row, cell, point, x)
+                store(solver, cells, row, cell, point, x)
         known = known + 1 if has_root(cells, row, cell) else 0
         cell = neighbour(column, cell, direction)
         if cell < 0:
@@ -164,12 +140,12 @@ def sweep(
 
 
 @kernel
-def sweep_both_ways(searcher: Searcher, column: Column, cells: Cells, row: int, first: int, x: Array) -> None:
+def sweep_both_ways(solver: Solver, column: Column, cells: Cells, row: int, first: int, x: Array) -> None:
     """Sweep a row forwards and backwards from a cell, twice round where headings are periodic."""
     count = column.heading.size
-    sweep(searcher, column, cells, row, first, 1, count + count // 2 if column.periodic else count, x)
+    sweep(solver, column, cells, row, first, 1, count + count // 2 if column.periodic else count, x)
     last = first if column.periodic else count - 1
-    sweep(searcher, column, cells, row, last, -1, count + count // 2 if column.periodic else count, x)
+    sweep(solver, column, cells, row, last, -1, count + count // 2 if column.periodic else count, x)
 
 
 @kernel
@@ -185,35 +161,37 @@ def easiest_heading(column: Column) -> int:
 
 
 @kernel
-def seed(searcher: Searcher, column: Column, cells: Cells, row: int, cell: int, x: Array) -> bool:
+def seed(solver: Solver, column: Column, cells: Cells, row: int, cell: int, x: Array) -> bool:
     """Solve a pending cell by the swarm; False if it finds no root."""
-    point = point_of(searcher, column, row, cell)
-    found, least = search(searcher, point, stream(column.seed, row * column.heading.size + cell), x)
+    point = point_of(solver, column, row, cell)
+    found, least = search(solver, point, stream(column.seed, row * column.heading.size + cell), x)
     if found:
-        store(searcher, cells, row, cell, point, x)
+        store(solver, cells, row, cell, point, x)
     else:
-        cells.residual[row, cell] = least
+        cells[row, cell].residual = least
     return found
 
 
 @kernel
-def bound_row(searcher: Searcher, column: Column, cells: Cells, row: int) -> int:
+def bound_row(solver: Solver, column: Column, cells: Cells, row: int) -> int:
     """Mark the cells of a row that are proven infeasible, the others pending; the number of pending cells."""
     pending = 0
     for cell in range(column.heading.size):
-        point = point_of(searcher, column, row, cell)
-        proven = proven_infeasible(searcher.fine.model, point)
-        cells.unknowns[row, cell, :] = np.nan
-        cells.traction[row, cell, :] = np.nan
-        cells.residual[row, cell] = np.nan
-        cells.status[row, cell] = PENDING if proven == ADMISSIBLE else proven
+        point = point_of(solver, column, row, cell)
+        proven = proven_infeasible(model_of(solver), point)
+        for i in range(3):
+            cells[row, cell].unknowns[i] = np.nan
+        for i in range(2):
+            cells[row, cell].traction[i] = np.nan
+        cells[row, cell].residual = np.nan
+        cells[row, cell].status = PENDING if proven == ADMISSIBLE else proven
         pending += proven == ADMISSIBLE
     return pending
 
 
 @kernel
 def follow_into(
-    searcher: Searcher, column: Column, cells: Cells, row: int, cell: int, from_row: int, from_cell: int, x: Array
+    solver: Solver, column: Column, cells: Cells, row: int, cell: int, from_row: int, from_cell: int, x: Array
 ) -> int:
     """Follow the branch from a solved cell into a pending one: solve that, or return the limit that ends the branch."""
     here, there = column.heading[from_cell], column.heading[cell]
@@ -222,12 +200,12 @@ def follow_into(
     elif here - there > math.pi:
         there += 2.0 * math.pi
     for i in range(3):
-        x[i] = cells.unknowns[from_row, from_cell, i]
+        x[i] = cells[from_row, from_cell].unknowns[i]
     way = Way(column.slope, column.curvature, column.velocity[from_row], column.velocity[row], here, there)
-    end = follow(searcher.fine, way, x)
-    point = point_of(searcher, column, row, cell)
-    if end == REACHED and solve_warm(searcher.fine, point, x):
-        store(searcher, cells, row, cell, point, x)
+    end = follow(solver, way, x)
+    point = point_of(solver, column, row, cell)
+    if end == REACHED and solve_warm(solver, point, x):
+        store(solver, cells, row, cell, point, x)
     return end
 
 
@@ -236,17 +214,17 @@ def spread(column: Column, cells: Cells, row: int, cell: int, direction: int, li
     """Give a limit to a run of pending cells, up to its middle seen from this end."""
     length = 0
     here = cell
-    while here >= 0 and length < column.heading.size and cells.status[row, here] == PENDING:
+    while here >= 0 and length < column.heading.size and cells[row, here].status == PENDING:
         length += 1
         here = neighbour(column, here, direction)
     closed = here >= 0 and has_root(cells, row, here)
     for _ in range((length + 1) // 2 if closed else length):
-        cells.status[row, cell] = limit
+        cells[row, cell].status = limit
         cell = neighbour(column, cell, direction)
 
 
 @kernel
-def close_gaps(searcher: Searcher, column: Column, cells: Cells, row: int, x: Array) -> bool:
+def close_gaps(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> bool:
     """Follow the branch from solved cells into pending neighbours; True if that solved a cell.
 
     Neighbours are those in heading and the cell of the row below.
@@ -254,86 +232,95 @@ def close_gaps(searcher: Searcher, column: Column, cells: Cells, row: int, x: Ar
     for cell in range(column.heading.size):
         for direction in (1, -1):
             before = neighbour(column, cell, -direction)
-            if cells.status[row, cell] != PENDING or before < 0 or not has_root(cells, row, before):
+            if cells[row, cell].status != PENDING or before < 0 or not has_root(cells, row, before):
                 continue
-            end = follow_into(searcher, column, cells, row, cell, row, before, x)
+            end = follow_into(solver, column, cells, row, cell, row, before, x)
             if has_root(cells, row, cell):
                 return True
             if end > 0:
                 spread(column, cells, row, cell, direction, end)
     for cell in range(column.heading.size):
-        if cells.status[row, cell] == PENDING and has_root(cells, row - 1, cell):
-            end = follow_into(searcher, column, cells, row, cell, row - 1, cell, x)
+        if cells[row, cell].status == PENDING and has_root(cells, row - 1, cell):
+            end = follow_into(solver, column, cells, row, cell, row - 1, cell, x)
             if has_root(cells, row, cell):
                 return True
             if end > 0:
-                cells.status[row, cell] = end
+                cells[row, cell].status = end
     return False
 
 
 @kernel
-def decide_rest(searcher: Searcher, column: Column, cells: Cells, row: int, x: Array) -> bool:
+def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> bool:
     """Decide one cell that no branch leads to; True if there was one.
 
     A branch that ended at a lower velocity stays ended; else the swarm searches.
     """
     for cell in range(column.heading.size):
-        if cells.status[row, cell] != PENDING:
+        if cells[row, cell].status != PENDING:
             continue
-        below = cells.status[row - 1, cell] if row > 0 else PENDING
+        below = cells[row - 1, cell].status if row > 0 else PENDING
         if below != PENDING and below != ADMISSIBLE and below != NOT_CONVERGED and not has_root(cells, row - 1, cell):
-            cells.status[row, cell] = below
-        elif not seed(searcher, column, cells, row, cell, x):
-            unbalanced = cells.residual[row, cell] > CLEARLY_UNBALANCED
-            cells.status[row, cell] = GRIP if unbalanced else NOT_CONVERGED
+            cells[row, cell].status = below
+        elif not seed(solver, column, cells, row, cell, x):
+            unbalanced = cells[row, cell].residual > CLEARLY_UNBALANCED
+            cells[row, cell].status = GRIP if unbalanced else NOT_CONVERGED
         return True
     return False
 
 
 @kernel
-def fill_residuals(searcher: Searcher, column: Column, cells: Cells, row: int, x: Array) -> None:
+def fill_residuals(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> None:
     """Residual of the cells that were never evaluated, at the nearest root before them, or without slip."""
-    no_slip(searcher.fine.model, column.curvature, x)
+    no_slip(model_of(solver), column.curvature, x)
     for cell in range(column.heading.size):
         if has_root(cells, row, cell):
             for i in range(3):
-                x[i] = cells.unknowns[row, cell, i]
-        elif math.isnan(cells.residual[row, cell]):
-            point = point_of(searcher, column, row, cell)
-            cells.residual[row, cell] = residual_at(searcher.fine, point, x)
+                x[i] = cells[row, cell].unknowns[i]
+        elif math.isnan(cells[row, cell].residual):
+            point = point_of(solver, column, row, cell)
+            cells[row, cell].residual = residual_at(solver, point, x)
 
 
 @kernel
-def solve_row(searcher: Searcher, column: Column, cells: Cells, row: int, x: Array) -> None:
+def solve_row(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> None:
     """Decide every cell of a row."""
     count = column.heading.size
-    if bound_row(searcher, column, cells, row) > 0:
+    if bound_row(solver, column, cells, row) > 0:
         easiest = easiest_heading(column)
         if row == 0:
             for k in range(SEEDS):
                 cell = (easiest + k * count // SEEDS) % count
-                if cells.status[row, cell] == PENDING:
-                    seed(searcher, column, cells, row, cell, x)
-        sweep_both_ways(searcher, column, cells, row, easiest, x)
-        if cells.status[row, easiest] == PENDING and not has_root(cells, row - 1, easiest):
-            if seed(searcher, column, cells, row, easiest, x):
-                sweep_both_ways(searcher, column, cells, row, easiest, x)
-        while close_gaps(searcher, column, cells, row, x):
-            sweep_both_ways(searcher, column, cells, row, easiest, x)
-        while decide_rest(searcher, column, cells, row, x):
+                if cells[row, cell].status == PENDING:
+                    seed(solver, column, cells, row, cell, x)
+        sweep_both_ways(solver, column, cells, row, easiest, x)
+        if cells[row, easiest].status == PENDING and not has_root(cells, row - 1, easiest):
+            if seed(solver, column, cells, row, easiest, x):
+                sweep_both_ways(solver, column, cells, row, easiest, x)
+        while close_gaps(solver, column, cells, row, x):
+            sweep_both_ways(solver, column, cells, row, easiest, x)
+        while decide_rest(solver, column, cells, row, x):
             pass
-    fill_residuals(searcher, column, cells, row, x)
+    fill_residuals(solver, column, cells, row, x)
 
 
 @kernel
-def solve_column(searcher: Searcher, column: Column, cells: Cells) -> None:
-    """Solve all rows, from low velocity to high. On a straight line the velocity does not matter."""
+def solve_column(memory: NDArray[np.void], column: Column, cells: Cells) -> None:
+    """Solve all rows, from low velocity to high. On a straight line the velocity does not matter.
+
+    Parameters
+    ----------
+    memory
+        A solver, see `trackctl.lut.cell.solver`, not shared with another thread.
+    column
+        What is asked.
+    cells
+        Receives the answers, shape (n_velocity, n_heading).
+    """
+    solver = memory[0]
     x = np.empty(3)
     for row in range(column.velocity.size):
         if row > 0 and column.curvature == 0.0:
-            cells.unknowns[row] = cells.unknowns[0]
-            cells.traction[row] = cells.traction[0]
-            cells.residual[row] = cells.residual[0]
-            cells.status[row] = cells.status[0]
+            for cell in range(column.heading.size):
+                cells[row, cell] = cells[0, cell]
         else:
-            solve_row(searcher, column, cells, row, x)
+            solve_row(solver, column, cells, row, x)

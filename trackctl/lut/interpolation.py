@@ -16,13 +16,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.axes import FULL_CIRCLE, Array
-from trackctl.lut.shape_functions import Flags, Indices, Method, Stencils, axis_stencils, weigh
+from trackctl.lut.shape_functions import Flags, Method, Offsets, Stencils, axis_stencils, weigh
 from trackctl.lut.table import Status, Table
 
 Codes = NDArray[np.uint8]
 
-#: Interpolated values of a cell: left and right track speed over speed, sideslip.
-VALUE_COUNT = 3
 #: Float arrays of a `LookupResult`.
 ANSWER_COUNT = 7
 #: Queries to a pass: their weights stay in the cache.
@@ -57,8 +55,8 @@ class Grid(NamedTuple):
     slope, velocity, curvature, heading
         Stencils of the axes.
     values
-        Left and right track speed over speed [-] and sideslip [rad] of one cell after another, heading
-        innermost, NaN in cells without an answer, shape (VALUE_COUNT * n_cells,).
+        Left and right track speed over speed [-] and sideslip [rad], NaN in cells without an answer; heading
+        innermost, shape (n_cells, 3).
     status
         `Status` of the cells, shape (n_cells,).
     mirrored
@@ -130,11 +128,11 @@ def interpolant(table: Table) -> Interpolant:
         axis=-1,
     )
     values[table.status != Status.CONVERGED] = np.nan
-    values, status = values.ravel(), table.status.flatten()
+    values, status = values.reshape(-1, 3), table.status.flatten()
     values.setflags(write=False)
     status.setflags(write=False)
     grid = Grid(
-        *axis_stencils(table.axes, VALUE_COUNT),
+        *axis_stencils(table.axes),
         values=values,
         status=status,
         mirrored=table.stores_left_turns_only and vehicle.cog_left == 0.0,
@@ -221,7 +219,7 @@ def answer_all(grid: Grid, method: int, points: Array, answers: Array, status: C
     """
     count = status.size
     places = table_points(points, grid.mirrored, grid.heading.lower)
-    weights, offsets = np.zeros((4, count, 4)), np.zeros((4, count, 4), np.int64)
+    weights, offsets = np.zeros((4, count, 4)), np.zeros((4, count, 4), np.uint64)
     inside = np.ones(count, np.bool_)
     weigh(grid.slope, method, places[0], weights[0], offsets[0], inside)
     weigh(grid.velocity, method, places[1], weights[1], offsets[1], inside)
@@ -246,7 +244,7 @@ def table_points(points: Array, mirrored: bool, lowest_heading: float) -> Array:
 
 
 @kernel
-def contract(values: Array, weights: Array, offsets: Indices, answers: Array) -> None:
+def contract(values: Array, weights: Array, offsets: Offsets, answers: Array) -> None:
     """Sum over the nodes that count: track speeds over speed and sideslip, into the first three answers."""
     for query in range(weights.shape[1]):
         left = right = sideslip = 0.0
@@ -267,9 +265,9 @@ def contract(values: Array, weights: Array, offsets: Indices, answers: Array) ->
                         weight = weight_k * weights[3, query, n]
                         if weight != 0.0:
                             cell = row + offsets[3, query, n]
-                            left += weight * values[cell]
-                            right += weight * values[cell + 1]
-                            sideslip += weight * values[cell + 2]
+                            left += weight * values[cell, 0]
+                            right += weight * values[cell, 1]
+                            sideslip += weight * values[cell, 2]
         answers[0, query] = left
         answers[1, query] = right
         answers[2, query] = sideslip
@@ -277,7 +275,7 @@ def contract(values: Array, weights: Array, offsets: Indices, answers: Array) ->
 
 @kernel
 def judge(
-    cell_status: Codes, weights: Array, offsets: Indices, inside: Flags, answers: Array, status: Codes
+    cell_status: Codes, weights: Array, offsets: Offsets, inside: Flags, answers: Array, status: Codes
 ) -> None:
     """Status of each query before actuator limits; NaN for answers outside the table."""
     for query in range(status.size):
@@ -291,7 +289,7 @@ def judge(
 
 
 @kernel
-def refusal(cell_status: Codes, weights: Array, offsets: Indices, query: int) -> int:
+def refusal(cell_status: Codes, weights: Array, offsets: Offsets, query: int) -> int:
     """Status of a query that counts a cell without an answer: that of its corners, where they share one."""
     common = UNKNOWN
     for i in range(1, 3):
@@ -307,7 +305,7 @@ def refusal(cell_status: Codes, weights: Array, offsets: Indices, query: int) ->
                     if weight == 0.0:
                         continue
                     row = offsets[0, query, i] + offsets[1, query, j] + offsets[2, query, k]
-                    corner = int(cell_status[(row + offsets[3, query, n]) // VALUE_COUNT])
+                    corner = int(cell_status[row + offsets[3, query, n]])
                     if common != UNKNOWN and common != corner:
                         return LookupStatus.NEAR_INFEASIBLE
                     common = corner

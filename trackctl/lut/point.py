@@ -2,33 +2,39 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import REACHED, Way, follow
-from trackctl.lut.cell import residual_at, solve_warm
-from trackctl.lut.swarm_search import Searcher, no_slip, search
+from trackctl.lut.cell import Solver, model_of, residual_at, solve_warm, solver
+from trackctl.lut.cells import Cells, pending_cells
+from trackctl.lut.swarm_search import no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
+from trackctl.mechanics.parameters import TrackModel
 from trackctl.solvers.levenberg_marquardt import largest
-from trackctl.solvers.random_stream import Stream
+from trackctl.solvers.random_stream import Stream, stream
 
 Array = NDArray[np.float64]
 
 NOT_CONVERGED = 5
+#: Points that a thread takes at a time.
+BATCH = 64
 #: A point without a root whose least residual lies above this is infeasible; below it, the search has failed.
 CLEARLY_UNBALANCED = 1e-2
 
 
 @kernel
 def solve_point(
-    searcher: Searcher,
+    solver: Solver,
     slope: float,
     velocity: float,
     curvature: float,
     heading: float,
-    stream: Stream,
+    draws: Stream,
     try_no_slip: bool,
     x: Array,
 ) -> tuple[int, float]:
@@ -42,8 +48,7 @@ def solve_point(
     tuple of int and float
         Code of `trackctl.lut.table.Status`, and the largest residual (without a root, the least met).
     """
-    solver = searcher.fine
-    model = solver.model
+    model = model_of(solver)
     point = operating_point(model, slope, velocity, curvature, heading)
     no_slip(model, curvature, x)
     proven = proven_infeasible(model, point)
@@ -51,15 +56,68 @@ def solve_point(
         return proven, residual_at(solver, point, x)
     if try_no_slip and solve_warm(solver, point, x):
         return exceeded_limit(model, point, x), largest(solver.work.residual)
-    found, least = search(searcher, point, stream, x)
+    found, least = search(solver, point, draws, x)
     if found:
         return exceeded_limit(model, point, x), least
     standing = operating_point(model, slope, 0.0, curvature, heading)
     no_slip(model, curvature, x)
-    if solve_warm(solver, standing, x) or search(searcher, standing, stream, x)[0]:
+    if solve_warm(solver, standing, x) or search(solver, standing, draws, x)[0]:
         end = follow(solver, Way(slope, curvature, 0.0, velocity, heading, heading), x)
         if end == REACHED and solve_warm(solver, point, x):
             return exceeded_limit(model, point, x), largest(solver.work.residual)
         if end > 0:
             return end, least
     return (GRIP if least > CLEARLY_UNBALANCED else NOT_CONVERGED), least
+
+
+@kernel
+def solve_batch(
+    memory: NDArray[np.void], points: Array, seed: int, first: int, try_no_slip: bool, cells: Cells
+) -> None:
+    """Solve the rows of `points` in one thread; row i draws from stream `first + i` of the seed."""
+    solver = memory[0]
+    x = np.empty(3)
+    for i in range(points.shape[0]):
+        slope, velocity, curvature, heading = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
+        draws = stream(seed, first + i)
+        cell = cells[i]
+        cell.status, cell.residual = solve_point(solver, slope, velocity, curvature, heading, draws, try_no_slip, x)
+        if cell.status == ADMISSIBLE:
+            for k in range(3):
+                cell.unknowns[k] = x[k]
+            for k in range(2):
+                cell.traction[k] = solver.traction[k]
+
+
+def solve_points(model: TrackModel, points: Array, *, seed: int = 0, swarm_always: bool = False, jobs: int = 1) -> Cells:
+    """Solve operating points one by one, by PSO-LM.
+
+    Parameters
+    ----------
+    model
+        Vehicle on its terrain.
+    points
+        Slope [rad], velocity [m/s], curvature [1/m] and heading [rad] of each point, shape (n, 4).
+    seed
+        Of the swarms; the answer of a point does not depend on the others, nor on `jobs`.
+    swarm_always
+        Search with the swarm at every point, instead of only where Levenberg-Marquardt fails from the no-slip speeds.
+    jobs
+        Number of threads.
+
+    Returns
+    -------
+    Cells
+        Shape (n,); unknowns and tractions are NaN unless the status is converged.
+    """
+    points = np.ascontiguousarray(points, dtype=np.float64)
+    cells = pending_cells((points.shape[0],))
+    bounds = range(0, points.shape[0], BATCH)
+
+    def solve(first: int) -> None:
+        part = slice(first, first + BATCH)
+        solve_batch(solver(model), points[part], seed, first, not swarm_always, cells[part])
+
+    with ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(solve, bounds))
+    return cells

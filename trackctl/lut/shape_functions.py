@@ -18,6 +18,8 @@ from trackctl.compiled import kernel
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 
 Indices = NDArray[np.int64]
+#: Unsigned, since compiled code tests signed ones for being negative at each use.
+Offsets = NDArray[np.uint64]
 Flags = NDArray[np.bool_]
 Weights = tuple[float, float, float, float]
 
@@ -57,7 +59,8 @@ class Stencils(NamedTuple):
     nodes
         Coordinates, shape (n_cells, 4); those of missing nodes are made up and have no effect.
     offset
-        Where in memory the nodes' values start, shape (n_cells, 4); for missing nodes that of the nearest.
+        What each node adds to the number of a table's cell, shape (n_cells, 4); for missing nodes that of the
+        nearest.
     factors
         Of each node, 1 / product of its distances to the three others, shape (n_cells, 4).
     extent
@@ -70,22 +73,22 @@ class Stencils(NamedTuple):
     buckets_per_unit: float
     cell_of_bucket: Indices
     nodes: Array
-    offset: Indices
+    offset: Offsets
     factors: Array
     extent: Indices
 
 
-def axis_stencils(axes: Axes, value_count: int) -> tuple[Stencils, Stencils, Stencils, Stencils]:
-    """Stencils along slope, velocity, curvature and heading, for so many values a cell, adjacent in memory.
+def axis_stencils(axes: Axes) -> tuple[Stencils, Stencils, Stencils, Stencils]:
+    """Stencils along slope, velocity, curvature and heading, heading innermost in the numbering of cells.
 
     None reaches across straight driving: sideslip bends sharply there, and a table of left turns ends there.
     """
     _, velocities, curvatures, headings = axes.shape
     return (
-        stencils(axes.slope, value_count * headings * curvatures * velocities),
-        stencils(axes.velocity, value_count * headings * curvatures),
-        stencils(axes.curvature, value_count * headings, bend=0.0),
-        stencils(axes.heading, value_count, period=FULL_CIRCLE if axes.heading_is_periodic else None),
+        stencils(axes.slope, headings * curvatures * velocities),
+        stencils(axes.velocity, headings * curvatures),
+        stencils(axes.curvature, headings, bend=0.0),
+        stencils(axes.heading, 1, period=FULL_CIRCLE if axes.heading_is_periodic else None),
     )
 
 
@@ -97,7 +100,7 @@ def stencils(nodes: Array, stride: int, period: float | None = None, bend: float
     nodes
         Ascending, shape (n_nodes,).
     stride
-        From one node's values to the next one's in memory.
+        From one node to the next in the numbering of a table's cells.
     period
         Distance after which the nodes repeat, if they do.
     bend
@@ -120,18 +123,18 @@ def stencils(nodes: Array, stride: int, period: float | None = None, bend: float
     extent = np.select(
         [has_before & has_after, has_after, has_before], [ALL_NODES, NONE_BEFORE, NONE_AFTER], PAIR
     )
-    return _with_search(borders, coordinates, numbers * stride, extent)
+    return _with_search(borders, coordinates, (numbers * stride).astype(np.uint64), extent)
 
 
 def _lone_node(node: float) -> Stencils:
     """An axis of one node, which a point must meet."""
     width = 2.0 * abs(node) or 1.0
     coordinates = node + width * np.array([[-1.0, 0.0, 1.0, 2.0]])
-    cell = _with_search(coordinates[0, 1:3], coordinates, np.zeros((1, 4), np.int64), np.array([PAIR]))
+    cell = _with_search(coordinates[0, 1:3], coordinates, np.zeros((1, 4), np.uint64), np.array([PAIR]))
     return cell._replace(lower=node - SNAP * abs(node), upper=node + SNAP * abs(node))
 
 
-def _with_search(borders: Array, coordinates: Array, offset: Indices, extent: Indices) -> Stencils:
+def _with_search(borders: Array, coordinates: Array, offset: Offsets, extent: Indices) -> Stencils:
     """Complete stencils by the search for a point's cell and by the nodes' factors."""
     width = np.diff(borders)
     first, span = float(borders[0]), float(borders[-1] - borders[0])
@@ -158,9 +161,9 @@ def _with_search(borders: Array, coordinates: Array, offset: Indices, extent: In
 
 @kernel
 def weigh(
-    stencils: Stencils, method: int, points: Array, weights: Array, offset: Indices, inside: Flags
+    stencils: Stencils, method: int, points: Array, weights: Array, offset: Offsets, inside: Flags
 ) -> None:
-    """Weights of the nodes, and where their values are, at many points of one axis.
+    """Weights and offsets of the four nodes at many points of one axis.
 
     Parameters
     ----------

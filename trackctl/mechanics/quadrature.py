@@ -65,7 +65,10 @@ def rules(counts: tuple[int, ...] = COUNTS) -> Rule:
 @kernel
 def axis_through(real: float, imaginary: float, start: float, end: float) -> float:
     """Half major axis, in half stretches, of the ellipse with foci at the ends through a complex point."""
-    return (math.hypot(real - start, imaginary) + math.hypot(real - end, imaginary)) / abs(end - start)
+    square = imaginary * imaginary
+    to_start = math.sqrt((real - start) ** 2 + square)
+    to_end = math.sqrt((real - end) ** 2 + square)
+    return (to_start + to_end) / abs(end - start)
 
 
 @kernel

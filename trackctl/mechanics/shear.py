@@ -103,7 +103,7 @@ def difficulty(
     layer = 0.0
     if part.start == ground.front or part.end == ground.front:
         middle = motion.lateral_speed + kappa * 0.5 * (part.start + part.end)
-        layer = math.hypot(sx, middle) * abs(part.end - part.start) / (V * shear_modulus)
+        layer = math.sqrt(sx * sx + middle * middle) * abs(part.end - part.start) / (V * shear_modulus)
     return axis, layer
 
 

@@ -11,7 +11,7 @@ References
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,45 +29,32 @@ SHRINK, GROW = 0.25, 1.6
 DIFFERENCE = 1e-6
 
 
-class Curve(NamedTuple):
-    """State of a continuation in n unknowns.
+#: A record of the type `curve(n)`.
+Curve = Any
 
-    Attributes
-    ----------
-    point, before, predicted
-        (x, parameter) now, at the last accepted point, and where the tangent leads, shape (n + 1,).
-    tangent
-        Unit tangent in the direction of travel, shape (n + 1,).
-    matrix
-        Jacobian, bordered by the derivative by the parameter and by the tangent, shape (n + 1, n + 1).
-    step
-        Right-hand side and Newton step, shape (n + 1,).
+
+def curve(n: int) -> np.dtype[np.void]:
+    """Memory of a continuation in n unknowns.
+
+    `point`, `before` and `predicted` are (x, parameter) now, at the last accepted point, and where the unit `tangent`
+    leads; `matrix` and `step` are the bordered system and its Newton step.
     """
-
-    point: Array
-    before: Array
-    predicted: Array
-    tangent: Array
-    matrix: Array
-    step: Array
-
-
-@kernel
-def curve(n: int) -> Curve:
-    """Memory of a continuation."""
-    return Curve(
-        np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty(n + 1), np.empty((n + 1, n + 1)), np.empty(n + 1)
-    )
+    names = ("point", "before", "predicted", "tangent", "step")
+    vectors = [(name, np.float64, n + 1) for name in names]
+    return np.dtype([*vectors, ("matrix", np.float64, (n + 1, n + 1))], align=True)
 
 
 @kernel
 def start(line: Curve, x: Array) -> None:
     """Begin at a root x of parameter 0, towards growing parameter."""
     n = x.size
-    line.point[:n] = x
+    for i in range(n):
+        line.point[i] = x[i]
+        line.tangent[i] = 0.0
     line.point[n] = 0.0
-    line.tangent[:] = 0.0
     line.tangent[n] = 1.0
+    for i in range(n + 1):
+        line.predicted[i] = line.point[i]
 
 
 @kernel
@@ -90,7 +77,8 @@ def correct(line: Curve) -> bool:
     """Newton step in the plane normal to the tangent through the predicted point; False where it is not defined."""
     if eliminate(line.matrix, line.step) == 0.0:
         return False
-    line.point[:] = line.point - line.step
+    for i in range(line.point.size):
+        line.point[i] -= line.step[i]
     return True
 
 
@@ -98,21 +86,33 @@ def correct(line: Curve) -> bool:
 def turn(line: Curve) -> bool:
     """Unit tangent at the point, from the bordered system; False where it is not defined."""
     n = line.step.size - 1
-    line.step[:] = 0.0
+    for i in range(n + 1):
+        line.step[i] = 0.0
     line.step[n] = 1.0
     if eliminate(line.matrix, line.step) == 0.0:
         return False
-    norm = math.sqrt(np.sum(line.step * line.step))
-    line.tangent[:] = line.step / norm
-    return math.isfinite(norm)
+    squares = 0.0
+    for i in range(n + 1):
+        squares += line.step[i] * line.step[i]
+    for i in range(n + 1):
+        line.tangent[i] = line.step[i] / math.sqrt(squares)
+    return math.isfinite(squares)
 
 
 @kernel
 def predict(line: Curve, step: float) -> None:
     """Go along the tangent by a step."""
-    line.before[:] = line.point
-    line.predicted[:] = line.point + step * line.tangent
-    line.point[:] = line.predicted
+    for i in range(line.point.size):
+        line.before[i] = line.point[i]
+        line.predicted[i] = line.point[i] + step * line.tangent[i]
+        line.point[i] = line.predicted[i]
+
+
+@kernel
+def step_back(line: Curve) -> None:
+    """Return to the last accepted point."""
+    for i in range(line.point.size):
+        line.point[i] = line.before[i]
 
 
 @kernel

@@ -35,8 +35,12 @@ def eliminate(matrix: Array, vector: Array) -> float:
                 pivot = i
         if pivot != k:
             for j in range(k, n):
-                matrix[k, j], matrix[pivot, j] = matrix[pivot, j], matrix[k, j]
-            vector[k], vector[pivot] = vector[pivot], vector[k]
+                kept = matrix[k, j]
+                matrix[k, j] = matrix[pivot, j]
+                matrix[pivot, j] = kept
+            kept = vector[k]
+            vector[k] = vector[pivot]
+            vector[pivot] = kept
             determinant = -determinant
         determinant *= matrix[k, k]
         if matrix[k, k] == 0.0:

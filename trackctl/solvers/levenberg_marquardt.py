@@ -79,8 +79,10 @@ def descent(work: Workspace, damping: float) -> float:
     """
     n = work.step.size
     if damping == 0.0:
-        work.matrix[:] = work.jacobian
-        work.step[:] = work.residual
+        for i in range(n):
+            work.step[i] = work.residual[i]
+            for j in range(n):
+                work.matrix[i, j] = work.jacobian[i, j]
         return eliminate(work.matrix, work.step)
     for i in range(n):
         projected = 0.0
@@ -114,9 +116,11 @@ def judge(x: Array, damping: float, work: Workspace) -> float:
     A success lowers the damping towards Newton's step, a failure shortens the next step.
     """
     if sum_of_squares(work.trial_residual) < sum_of_squares(work.residual):
-        x[:] = work.trial
-        work.residual[:] = work.trial_residual
-        work.jacobian[:] = work.trial_jacobian
+        for i in range(x.size):
+            x[i] = work.trial[i]
+            work.residual[i] = work.trial_residual[i]
+            for j in range(x.size):
+                work.jacobian[i, j] = work.trial_jacobian[i, j]
         return damping / DAMPING_FACTOR if damping > FIRST_DAMPING else 0.0
     return more_damping(damping)
 

@@ -16,7 +16,7 @@ References
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,21 +27,22 @@ from trackctl.solvers.random_stream import Stream, uniform
 Array = NDArray[np.float64]
 
 
-class Swarm(NamedTuple):
-    """State of a swarm of m particles in n dimensions.
+#: A record of the type `swarm(m, n)`.
+Swarm = Any
 
-    Attributes
-    ----------
-    position, velocity, best
-        Of each particle, shape (m, n); `best` is where it was at its least cost.
-    cost
-        Least cost of each particle, shape (m,).
-    """
 
-    position: Array
-    velocity: Array
-    best: Array
-    cost: Array
+def swarm(particles: int, dimensions: int) -> np.dtype[np.void]:
+    """Memory of a swarm: each particle's position, velocity, the best place it has been at, and the cost there."""
+    each = (particles, dimensions)
+    return np.dtype(
+        [
+            ("position", np.float64, each),
+            ("velocity", np.float64, each),
+            ("best", np.float64, each),
+            ("cost", np.float64, particles),
+        ],
+        align=True,
+    )
 
 
 class Settings(NamedTuple):
@@ -65,17 +66,6 @@ class Settings(NamedTuple):
 
 
 @kernel
-def swarm(particles: int, dimensions: int) -> Swarm:
-    """Memory of a swarm."""
-    return Swarm(
-        np.empty((particles, dimensions)),
-        np.empty((particles, dimensions)),
-        np.empty((particles, dimensions)),
-        np.empty(particles),
-    )
-
-
-@kernel
 def scatter(flock: Swarm, lower: Array, upper: Array, stream: Stream) -> None:
     """Place the particles in the box, stratified in each dimension, at rest."""
     particles, dimensions = flock.position.shape
@@ -85,12 +75,15 @@ def scatter(flock: Swarm, lower: Array, upper: Array, stream: Stream) -> None:
             flock.velocity[i, j] = i
         for i in range(particles - 1, 0, -1):
             k = int(uniform(stream) * (i + 1))
-            flock.velocity[i, j], flock.velocity[k, j] = flock.velocity[k, j], flock.velocity[i, j]
+            kept = flock.velocity[i, j]
+            flock.velocity[i, j] = flock.velocity[k, j]
+            flock.velocity[k, j] = kept
         for i in range(particles):
             share = (flock.velocity[i, j] + uniform(stream)) / particles
             flock.position[i, j] = lower[j] + share * (upper[j] - lower[j])
             flock.velocity[i, j] = 0.0
-    flock.cost[:] = np.inf
+    for i in range(particles):
+        flock.cost[i] = np.inf
 
 
 @kernel
@@ -115,7 +108,8 @@ def record(flock: Swarm, particle: int, cost: float, leader: int) -> int:
     """Note what a particle's position costs; the particle that now leads the swarm."""
     if cost < flock.cost[particle]:
         flock.cost[particle] = cost
-        flock.best[particle] = flock.position[particle]
+        for j in range(flock.best.shape[1]):
+            flock.best[particle, j] = flock.position[particle, j]
         if cost < flock.cost[leader]:
             return particle
     return leader

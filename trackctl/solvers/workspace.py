@@ -1,35 +1,29 @@
-"""Memory that the solvers work in, made once for a thread."""
+"""Memory that the solvers work in, made once for a thread.
+
+It is a numpy record: compiled functions pass it as one pointer, where a tuple of arrays would be copied field by field.
+"""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
-
-Array = NDArray[np.float64]
+#: A record of the type `workspace(n)`. After a solve, `residual` and `jacobian` hold those of the returned point.
+Workspace = Any
 
 
-class Workspace(NamedTuple):
-    """Scratch arrays for a system of n equations in n unknowns.
-
-    After a solve, `residual` and `jacobian` hold those of the returned point.
-    """
-
-    residual: Array
-    jacobian: Array
-    trial: Array
-    trial_residual: Array
-    trial_jacobian: Array
-    matrix: Array
-    step: Array
-
-
-@kernel
-def workspace(n: int) -> Workspace:
-    """Scratch arrays for n equations."""
-    return Workspace(
-        np.empty(n), np.empty((n, n)), np.empty(n), np.empty(n), np.empty((n, n)), np.empty((n, n)), np.empty(n)
+def workspace(n: int) -> np.dtype[np.void]:
+    """Scratch memory for a system of n equations in n unknowns."""
+    return np.dtype(
+        [
+            ("residual", np.float64, n),
+            ("jacobian", np.float64, (n, n)),
+            ("trial", np.float64, n),
+            ("trial_residual", np.float64, n),
+            ("trial_jacobian", np.float64, (n, n)),
+            ("matrix", np.float64, (n, n)),
+            ("step", np.float64, n),
+        ],
+        align=True,
     )

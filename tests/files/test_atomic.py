@@ -1,0 +1,155 @@
+import os
+import stat
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from trackctl.errors import OutputError
+from trackctl.files.atomic import check_output, whole_file
+
+OLD, NEW = "old", "new"
+
+
+def write(path, text=NEW, force=False):
+    with whole_file(path, force) as temporary:
+        temporary.write_text(text)
+
+
+def test_a_file_appears_when_the_block_ends(tmp_path):
+    output = tmp_path / "out.csv"
+    with whole_file(output, force=False) as temporary:
+        temporary.write_text(NEW)
+        assert not output.exists()
+        assert temporary.parent == tmp_path
+        assert temporary.suffix == ".csv"
+    assert output.read_text() == NEW
+    assert os.listdir(tmp_path) == ["out.csv"]
+
+
+def test_permissions_are_those_of_any_new_file(tmp_path):
+    (tmp_path / "plain").touch()
+    write(tmp_path / "out")
+    modes = {stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("plain", "out")}
+    assert len(modes) == 1
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError, SystemExit])
+def test_nothing_changes_when_the_block_fails(tmp_path, error):
+    output = tmp_path / "out.csv"
+    output.write_text(OLD)
+
+    def fail():
+        with whole_file(output, force=True) as temporary:
+            temporary.write_text(NEW)
+            raise error
+
+    with pytest.raises(error):
+        fail()
+    assert output.read_text() == OLD
+    assert os.listdir(tmp_path) == ["out.csv"]
+
+
+def test_an_existing_file_needs_force(tmp_path):
+    output = tmp_path / "out.csv"
+    output.write_text(OLD)
+    for refuse in (check_output, write):
+        with pytest.raises(OutputError, match=r"out\.csv: exists already; --force"):
+            refuse(output, force=False)
+    check_output(output, force=True)
+    write(output, force=True)
+    assert output.read_text() == NEW
+
+
+def test_a_file_that_came_meanwhile_is_kept(tmp_path):
+    output = tmp_path / "out.csv"
+    with pytest.raises(OutputError, match="exists already"), whole_file(output, force=False):
+        output.write_text(OLD)
+    assert output.read_text() == OLD
+
+
+def test_a_check_leaves_nothing(tmp_path):
+    check_output(tmp_path / "out.csv", force=False)
+    assert not os.listdir(tmp_path)
+
+
+@pytest.mark.parametrize("force", [False, True])
+@pytest.mark.parametrize(
+    ("path", "problem"),
+    [
+        ("missing/out.csv", "there is no folder"),
+        ("file/out.csv", "there is no folder"),
+        ("folder", "is a folder"),
+        ("x" * 300, "File name too long"),
+    ],
+)
+def test_impossible_places(tmp_path, path, problem, force):
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").touch()
+    for refuse in (check_output, write):
+        with pytest.raises(OutputError, match=problem):
+            refuse(tmp_path / path, force=force)
+
+
+@pytest.mark.skipif(not Path("/proc/sys").is_dir(), reason="a folder that not even root can write to")
+def test_a_folder_that_is_not_writable():
+    with pytest.raises(OutputError, match="cannot be written"):
+        check_output(Path("/proc/sys/out.csv"), force=False)
+
+
+def test_a_link_keeps_pointing_to_the_new_content(tmp_path):
+    (tmp_path / "folder").mkdir()
+    target, link = tmp_path / "folder" / "target", tmp_path / "link"
+    target.write_text(OLD)
+    link.symlink_to(target)
+    write(link, force=True)
+    assert link.is_symlink()
+    assert target.read_text() == NEW
+
+
+def test_a_pipe_is_written_directly(tmp_path):
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    read = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
+    reader.start()
+    write(pipe)
+    reader.join(timeout=10.0)
+    assert read == [NEW]
+
+
+def test_a_redirected_standard_output_is_written_directly(tmp_path):
+    script = (
+        "from pathlib import Path\n"
+        "from trackctl.files.atomic import whole_file\n"
+        "with whole_file(Path('/dev/stdout'), force=False) as path: path.write_text('new')"
+    )
+    with (tmp_path / "out.csv").open("w") as stream:
+        subprocess.run([sys.executable, "-c", script], stdout=stream, check=True)
+    assert (tmp_path / "out.csv").read_text() == NEW
+    assert Path("/dev/stdout").is_symlink()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+def test_a_full_disk():
+    with pytest.raises(OutputError, match="/dev/full: cannot be written: No space left on device"):
+        write(Path("/dev/full"))
+
+
+def test_a_closed_pipe_stays_what_it_is(tmp_path):
+    with pytest.raises(BrokenPipeError), whole_file(tmp_path / "out.csv", force=False):
+        raise BrokenPipeError
+
+
+def test_writers_of_one_output_do_not_mix(tmp_path):
+    output = tmp_path / "out.csv"
+    texts = [letter * 100_000 for letter in "abcd"]
+    writers = [threading.Thread(target=write, args=(output, text, True)) for text in texts]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert output.read_text() in texts
+    assert os.listdir(tmp_path) == ["out.csv"]

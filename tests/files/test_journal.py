@@ -1,0 +1,201 @@
+import os
+import resource
+import signal
+import subprocess
+import sys
+import tracemalloc
+from itertools import islice
+
+import pytest
+
+from trackctl.errors import InputFileError, OutputError
+from trackctl.files.journal import Journal, journal_path
+
+DIGEST = "d" * 64
+REQUEST = {"vehicle": "utv-61cm", "steps": [0.5, 1.0]}
+PAYLOADS = {7: b"seven", 0: b"", 3: bytes(range(256))}
+
+KILLED = """
+from pathlib import Path
+import sys
+from trackctl.files.journal import Journal
+journal = Journal.create(Path(sys.argv[1]), "d", {})
+for block in range(10**9):
+    journal.append(block, block.to_bytes(8, "little") * 1000)
+    if block == 100:
+        print("ready", flush=True)
+"""
+
+
+@pytest.fixture
+def path(tmp_path):
+    return journal_path(tmp_path / "lut.h5")
+
+
+@pytest.fixture
+def content(path):
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        for block, payload in PAYLOADS.items():
+            journal.append(block, payload)
+    return path.read_bytes()
+
+
+def resumed(path):
+    """All blocks of a resumed journal, after adding one more and resuming again."""
+    with Journal.resume(path, DIGEST, REQUEST) as journal:
+        found = {block: journal.read(block) for block in journal.blocks()}
+        journal.append(99, b"more")
+    with Journal.resume(path, DIGEST, REQUEST) as journal:
+        assert {block: journal.read(block) for block in journal.blocks()} == found | {99: b"more"}
+    return found
+
+
+def test_it_lies_beside_the_output(tmp_path):
+    assert journal_path(tmp_path / "lut.h5") == tmp_path / "lut.h5.partial"
+
+
+def test_blocks_come_back(path, content):
+    assert resumed(path) == PAYLOADS
+
+
+def test_blocks_can_be_read_during_the_run(path):
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        for block, payload in PAYLOADS.items():
+            journal.append(block, payload)
+            assert journal.read(block) == payload
+        assert journal.blocks() == set(PAYLOADS)
+
+
+def test_a_later_record_of_a_block_counts(path):
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        journal.append(1, b"first")
+        journal.append(1, b"second")
+    assert resumed(path) == {1: b"second"}
+
+
+def test_cut_off_at_any_byte(path, content):
+    for size in range(len(content)):
+        path.write_bytes(content[:size])
+        found = resumed(path)
+        assert found == dict(islice(PAYLOADS.items(), len(found)))
+    assert len(found) == len(PAYLOADS) - 1
+
+
+def test_a_damaged_byte_drops_its_record_and_what_follows(path, content):
+    start = content.index(b"\n") + 1
+    ends = []
+    for payload in PAYLOADS.values():
+        start += 20 + len(payload)
+        ends.append(start)
+    for place in range(content.index(b"\n") + 1, len(content)):
+        damaged = bytearray(content)
+        damaged[place] ^= 0x10
+        path.write_bytes(damaged)
+        whole = sum(end <= place for end in ends)
+        assert resumed(path) == dict(islice(PAYLOADS.items(), whole))
+
+
+def test_survives_being_killed(path):
+    run = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE)
+    with run:
+        run.stdout.readline()
+        run.send_signal(signal.SIGKILL)
+    with Journal.resume(path, "d", {}) as journal:
+        assert journal.blocks() == set(range(len(journal.blocks())))
+        assert len(journal.blocks()) > 100
+        for block in journal.blocks():
+            assert journal.read(block) == block.to_bytes(8, "little") * 1000
+
+
+def test_resuming_nothing_starts(path):
+    assert resumed(path) == {}
+
+
+def test_work_is_dropped_only_when_forced(path, content):
+    with pytest.raises(OutputError, match="--resume continues it, --force starts afresh"):
+        Journal.create(path, DIGEST, REQUEST)
+    assert path.read_bytes() == content
+    with Journal.create(path, DIGEST, REQUEST, force=True) as journal:
+        assert journal.blocks() == set()
+
+
+def test_a_torn_header_is_no_work(path, content):
+    path.write_bytes(content[:10])
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        assert journal.blocks() == set()
+
+
+def test_another_request_is_refused(path, content):
+    with pytest.raises(InputFileError, match=r"of another request.*--force"):
+        Journal.resume(path, "e" * 64, REQUEST)
+    assert path.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    "foreign", [b"a,b\n1,2\n", b"{}\n", b"[1]\n", b"\0\n", b"\n", b"[" * 100_000, b"no end"]
+)
+def test_another_file_is_refused(path, foreign):
+    path.write_bytes(foreign)
+    with pytest.raises(InputFileError, match="no checkpoint"):
+        Journal.resume(path, DIGEST, REQUEST)
+    with pytest.raises(OutputError, match="--force"):
+        Journal.create(path, DIGEST, REQUEST)
+    assert path.read_bytes() == foreign
+
+
+def test_another_version_is_refused(path, content):
+    path.write_bytes(content.replace(b'"version": 1', b'"version": 2'))
+    with pytest.raises(InputFileError, match="version 2; this trackctl reads 1"):
+        Journal.resume(path, DIGEST, REQUEST)
+
+
+def test_a_second_run_is_refused(path):
+    with Journal.create(path, DIGEST, REQUEST):
+        for start in (Journal.create, Journal.resume):
+            with pytest.raises(OutputError, match="in use by another run"):
+                start(path, DIGEST, REQUEST)
+    Journal.resume(path, DIGEST, REQUEST).close()
+
+
+def test_discard_removes_it(path):
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        journal.append(1, b"x")
+        journal.discard()
+    assert not path.exists()
+
+
+def test_a_missing_folder(tmp_path):
+    with pytest.raises(OutputError, match="No such file"):
+        Journal.create(tmp_path / "missing" / "lut.h5.partial", DIGEST, REQUEST)
+
+
+def test_a_full_disk_keeps_the_blocks_before(path):
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        journal.append(1, b"x" * 1000)
+        size = os.path.getsize(path)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size + 100, limits[1]))
+        try:
+            with pytest.raises(OutputError, match="File too large"):
+                journal.append(2, b"y" * 1000)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        assert os.path.getsize(path) == size
+        journal.append(3, b"z")
+    assert resumed(path) == {1: b"x" * 1000, 3: b"z"}
+
+
+def test_memory_holds_no_payloads(path):
+    block = bytes(2**20)
+    with Journal.create(path, DIGEST, REQUEST) as journal:
+        for index in range(200):
+            journal.append(index, block)
+    tracemalloc.start()
+    try:
+        with Journal.resume(path, DIGEST, REQUEST) as journal:
+            assert len(journal.blocks()) == 200
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    # 200 MiB are in the file, of which a piece of 1 MiB is read at a time.
+    assert peak < 5 * 2**20
