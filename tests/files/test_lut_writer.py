@@ -23,6 +23,11 @@ from trackctl.sensitivity.pawn import PawnIndex, Statistic
 
 PROFILES = VEHICLE, TERRAIN, GRAVITY
 OUTPUTS, INPUTS = ("sprocket_rate_left", "sideslip"), ("velocity", "radius", "heading")
+INDICES = [
+    PawnIndex(output, name, statistic, 0.1 * number, 0.1 * number - 0.05, 0.1 * number + 0.05, 0.02)
+    for number, (output, name, statistic) in enumerate(product(OUTPUTS, INPUTS, Statistic))
+]
+SAMPLES = np.random.default_rng(0).normal(size=(20, 5))
 
 # A limit on the size of files acts as a full disk.
 DISK_FULL = """
@@ -84,6 +89,7 @@ def write_columns(path, table, columns):
         for i, k in columns:
             column = {name: values[i, :, k] for name, values in table.values.items()}
             writer.write_column(i, k, column, table.status[i, :, k])
+        writer.write_sensitivity(INDICES, [*INPUTS, *OUTPUTS], SAMPLES, {"velocity_step": 0.5})
 
 
 def test_xarray_shows_named_coordinates(path, table):
@@ -188,26 +194,16 @@ def test_an_attribute_of_no_type_leaves_no_open_file(tmp_path, table):
 
 
 def test_sensitivity(tmp_path, table):
-    indices = [
-        PawnIndex(output, name, statistic, 0.1 * number, 0.1 * number - 0.05, 0.1 * number + 0.05, 0.02)
-        for number, (output, name, statistic) in enumerate(product(OUTPUTS, INPUTS, Statistic))
-    ]
-    samples = np.random.default_rng(0).normal(size=(20, 5))
     path = tmp_path / "lut.h5"
-    with LutWriter(path, table.axes, *PROFILES, {}) as writer:
-        for i, k in product(range(2), range(5)):
-            writer.write_column(
-                i, k, {name: table.values[name][i, :, k] for name in VARIABLES}, table.status[i, :, k]
-            )
-        writer.write_sensitivity(indices, [*INPUTS, *OUTPUTS], samples, {"velocity_step": 0.5})
+    write_columns(path, table, product(range(2), range(5)))
     with xarray.open_dataset(path, engine="h5netcdf", group="sensitivity") as group:
         assert group.attrs == {"velocity_step": 0.5}
-        for index in indices:
+        for index in INDICES:
             place = {"output": index.output, "input": index.input, "statistic": str(index.statistic)}
             for name in ("index", "ci_low", "ci_high", "dummy"):
                 assert group[name].sel(place) == getattr(index, name)
         assert group["samples"].dims == ("sample", "quantity")
-        np.testing.assert_array_equal(group["samples"].sel(quantity="heading"), samples[:, 2])
+        np.testing.assert_array_equal(group["samples"].sel(quantity="heading"), SAMPLES[:, 2])
     with xarray.open_dataset(path, engine="h5netcdf") as root:
         assert set(root.data_vars) == {*VARIABLES, "status"}
 

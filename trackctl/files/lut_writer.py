@@ -79,9 +79,7 @@ class LutWriter:
         own = own_attributes(vehicle, terrain, gravity)
         with ExitStack() as on_error:
             self._stream = on_error.enter_context(DeferredErrorFile(path))
-            self._file = on_error.enter_context(
-                h5py.File(self._stream, "w", libver=netcdf.LIBRARY_VERSIONS, track_order=True)
-            )
+            self._file = on_error.enter_context(netcdf.new_file(self._stream))
             netcdf.set_attributes(self._file, {**own, **attributes, **own})
             add_coordinates(self._file, axes)
             self._datasets = {name: add_variable(self._file, name, axes, gzip) for name in layout.DTYPES}
@@ -146,7 +144,7 @@ class LutWriter:
         attributes
             The steps and the settings of the analysis; types as of the root.
         """
-        group = self._file.create_group(layout.SENSITIVITY, track_order=True)
+        group = netcdf.new_group(self._file, layout.SENSITIVITY)
         netcdf.set_attributes(group, attributes)
         add_sensitivity(group, indices, sample_names, samples)
         self._stream.raise_deferred()

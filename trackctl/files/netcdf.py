@@ -3,15 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from io import FileIO
 
 import h5py
 import numpy as np
+from h5py import h5f, h5fd, h5g, h5p
 from numpy.typing import ArrayLike
 
-# HDF5 1.8 on, the oldest that netCDF4 is; fixed, so that the bytes do not depend on the library's defaults.
-LIBRARY_VERSIONS = ("v108", "v110")
 # What netCDF writes as the name of a dimension that has no coordinates.
 BARE_DIMENSION = "This is a netCDF dimension but not a netCDF variable. {:9d}"
+
+
+def new_file(stream: FileIO) -> h5py.File:
+    """An empty HDF5 file; the stream is to be closed after it."""
+    access = h5p.create(h5p.FILE_ACCESS)
+    # HDF5 1.8 on, the oldest that netCDF4 is; fixed, for the bytes not to depend on the library's defaults.
+    access.set_libver_bounds(h5f.LIBVER_V18, h5f.LIBVER_V110)
+    access.set_fclose_degree(h5f.CLOSE_STRONG)
+    access.set_fileobj_driver(h5fd.fileobj_driver, stream)
+    creation = ordered_and_timeless(h5p.FILE_CREATE)
+    return h5py.File(h5f.create(b"netcdf", h5f.ACC_TRUNC, creation, access))
+
+
+def new_group(file: h5py.File, name: str) -> h5py.Group:
+    """An empty group at the root."""
+    return h5py.Group(h5g.create(file.id, name.encode(), gcpl=ordered_and_timeless(h5p.GROUP_CREATE)))
+
+
+def ordered_and_timeless(kind: int) -> h5p.PropOCID:
+    """Creation properties of a file or group that keeps the order of its items, as netCDF does, but no times.
+
+    h5py has no option against times before 3.15.
+    """
+    properties = h5p.create(kind)
+    properties.set_link_creation_order(h5p.CRT_ORDER_TRACKED | h5p.CRT_ORDER_INDEXED)
+    properties.set_attr_creation_order(h5p.CRT_ORDER_TRACKED | h5p.CRT_ORDER_INDEXED)
+    properties.set_obj_track_times(False)
+    return properties
 
 
 def add_coordinate(group: h5py.Group, name: str, values: ArrayLike, number: int) -> h5py.Dataset:

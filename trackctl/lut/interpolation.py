@@ -18,6 +18,7 @@ from trackctl.compiled import kernel
 from trackctl.lut.axes import FULL_CIRCLE, Array
 from trackctl.lut.shape_functions import Flags, Method, Offsets, Stencils, axis_stencils, weigh
 from trackctl.lut.table import Status, Table
+from trackctl.profiles.vehicle import VehicleProfile
 
 Codes = NDArray[np.uint8]
 
@@ -117,9 +118,8 @@ class LookupResult:
 
 def interpolant(table: Table) -> Interpolant:
     """Pack a table for `look_up`, once: the values of a cell adjacent in memory."""
-    vehicle = table.vehicle
-    speed_ratio = vehicle.sprocket_radius / table.axes.velocity[:, None, None]
-    values = np.stack(
+    speed_ratio = table.vehicle.sprocket_radius / table.axes.velocity[:, None, None]
+    unknowns = np.stack(
         [
             table.values["sprocket_rate_left"] * speed_ratio,
             table.values["sprocket_rate_right"] * speed_ratio,
@@ -127,19 +127,42 @@ def interpolant(table: Table) -> Interpolant:
         ],
         axis=-1,
     )
-    values[table.status != Status.CONVERGED] = np.nan
-    values, status = values.reshape(-1, 3), table.status.flatten()
+    return interpolant_of(table.axes, unknowns, table.status, table.vehicle, table.vehicle.max_sprocket_rate)
+
+
+def interpolant_of(
+    axes: Axes, unknowns: Array, status: Codes, vehicle: VehicleProfile, max_sprocket_rate: float
+) -> Interpolant:
+    """Make solved cells ready for `look_up`.
+
+    Parameters
+    ----------
+    axes
+        Grid nodes.
+    unknowns
+        Left and right track speed over speed [-] and sideslip [rad], shape (\*axes.shape, 3); overwritten with NaN where
+        the status is not converged.
+    status
+        `Status` of the cells, shape `axes.shape`.
+    vehicle
+        For its geometry.
+    max_sprocket_rate
+        Above it a query is at the actuator limit. [rad/s]
+    """
+    unknowns[status != Status.CONVERGED] = np.nan
+    values, codes = unknowns.reshape(-1, 3), status.flatten()
     values.setflags(write=False)
-    status.setflags(write=False)
+    codes.setflags(write=False)
+    left_turns_only = bool(axes.curvature[0] >= 0.0)
     grid = Grid(
-        *axis_stencils(table.axes),
+        *axis_stencils(axes),
         values=values,
-        status=status,
-        mirrored=table.stores_left_turns_only and vehicle.cog_left == 0.0,
+        status=codes,
+        mirrored=left_turns_only and vehicle.cog_left == 0.0,
         half_gauge=0.5 * vehicle.track_gauge,
         cog_left=vehicle.cog_left,
         sprocket_radius=vehicle.sprocket_radius,
-        max_sprocket_rate=vehicle.max_sprocket_rate,
+        max_sprocket_rate=max_sprocket_rate,
     )
     return Interpolant(grid)
 
