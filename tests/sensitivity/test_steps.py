@@ -74,7 +74,7 @@ def test_a_budget_below_the_least_table_is_refused():
         divisions_from_indices((0.5, 0.2, 0.2), 79, (1, 4, 8), NODES)
 
 
-def test_an_axis_takes_the_largest_index_that_stands_above_its_dummy():
+def test_an_axis_takes_the_largest_index_and_no_less_than_its_dummy():
     def found(output, name, statistic, index):
         return PawnIndex(output, name, statistic, index, 0.0, 1.0, dummy=0.1)
 
@@ -86,5 +86,5 @@ def test_an_axis_takes_the_largest_index_that_stands_above_its_dummy():
         found("right", "heading", Statistic.MEDIAN, 0.05),
         found("right", "heading", Statistic.MAX, 0.2),
     ]
-    assert axis_indices(indices, ("heading", "velocity")) == (0.0, 0.6)
+    assert axis_indices(indices, ("heading", "velocity")) == (0.1, 0.6)
     assert axis_indices(indices, ("velocity", "heading"), Statistic.MAX) == (0.9, 0.2)

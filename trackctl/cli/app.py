@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from trackctl import __version__
 from trackctl.cli import profiles
+from trackctl.cli.compute_lut import compute_lut
 from trackctl.cli.registration import add_command, help_texts
 from trackctl.errors import NoAnswerError, TrackctlError
 
@@ -25,7 +26,7 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 
 #: One function per command, in the order of the help.
-COMMANDS: tuple[Callable[..., None], ...] = ()
+COMMANDS: tuple[Callable[..., None], ...] = (compute_lut,)
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
 
@@ -35,7 +36,7 @@ Data goes to standard output or -o FILE, words go to standard error.
 Exit codes: 0 done, 1 no answer, 2 bad input or usage, 130 after Ctrl-C.
 
 Example:
-  trackctl profiles list
+  trackctl compute-lut -o lut.h5
 """
 
 

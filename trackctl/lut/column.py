@@ -102,7 +102,9 @@ def neighbour(column: Column, cell: int, offset: int) -> int:
 
 
 @kernel
-def extrapolate(column: Column, cells: Cells, row: int, cell: int, direction: int, known: int, x: Array) -> None:
+def extrapolate(
+    column: Column, cells: Cells, row: int, cell: int, direction: int, known: int, x: Array
+) -> None:
     """Start of a cell from the `known` cells before it in the direction of travel."""
     for i in range(3):
         x[i] = 0.0
@@ -259,7 +261,12 @@ def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, x: Array
         if cells[row, cell].status != PENDING:
             continue
         below = cells[row - 1, cell].status if row > 0 else PENDING
-        if below != PENDING and below != ADMISSIBLE and below != NOT_CONVERGED and not has_root(cells, row - 1, cell):
+        if (
+            below != PENDING
+            and below != ADMISSIBLE
+            and below != NOT_CONVERGED
+            and not has_root(cells, row - 1, cell)
+        ):
             cells[row, cell].status = below
         elif not seed(solver, column, cells, row, cell, x):
             unbalanced = cells[row, cell].residual > CLEARLY_UNBALANCED

@@ -124,12 +124,16 @@ def make_axes(vehicle: VehicleProfile, slope: Array, ranges: Ranges, divisions: 
         raise UsageError("--steps", f"{cells:.3g} cells", f"at most {MOST_CELLS:.3g} cells")
     left = 1.0 / np.linspace(*ranges.radius, nodes(ranges.radius, divisions.radius))[::-1]
     right = -left[::-1] if vehicle.cog_left != 0.0 else np.empty(0)
-    heading = np.linspace(*ranges.heading, divisions.heading + 1 if ranges.heading[1] > ranges.heading[0] else 1)
+    heading = np.linspace(
+        *ranges.heading, divisions.heading + 1 if ranges.heading[1] > ranges.heading[0] else 1
+    )
     return Axes(
         slope=slope,
         velocity=np.linspace(*ranges.velocity, nodes(ranges.velocity, divisions.velocity)),
         curvature=np.concatenate((right, [0.0], left)),
-        heading=heading[:-1] if heading.size > 1 and ranges.heading[1] >= FULL_CIRCLE * (1.0 - WHOLE) else heading,
+        heading=heading[:-1]
+        if heading.size > 1 and ranges.heading[1] >= FULL_CIRCLE * (1.0 - WHOLE)
+        else heading,
         heading_is_periodic=ranges.is_full_circle,
     )
 

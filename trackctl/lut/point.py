@@ -81,7 +81,9 @@ def solve_batch(
         slope, velocity, curvature, heading = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
         draws = stream(seed, first + i)
         cell = cells[i]
-        cell.status, cell.residual = solve_point(solver, slope, velocity, curvature, heading, draws, try_no_slip, x)
+        cell.status, cell.residual = solve_point(
+            solver, slope, velocity, curvature, heading, draws, try_no_slip, x
+        )
         if cell.status == ADMISSIBLE:
             for k in range(3):
                 cell.unknowns[k] = x[k]
@@ -89,7 +91,9 @@ def solve_batch(
                 cell.traction[k] = solver.traction[k]
 
 
-def solve_points(model: TrackModel, points: Array, *, seed: int = 0, swarm_always: bool = False, jobs: int = 1) -> Cells:
+def solve_points(
+    model: TrackModel, points: Array, *, seed: int = 0, swarm_always: bool = False, jobs: int = 1
+) -> Cells:
     """Solve operating points one by one, by PSO-LM.
 
     Parameters

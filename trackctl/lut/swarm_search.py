@@ -7,7 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.cell import PARTICLES, TOLERANCE, Solver, evaluate, is_answer, model_of, residual_at, solve_from
+from trackctl.lut.cell import (
+    PARTICLES,
+    TOLERANCE,
+    Solver,
+    evaluate,
+    is_answer,
+    model_of,
+    residual_at,
+    solve_from,
+)
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import TrackModel

@@ -31,8 +31,14 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "sideslip": ("rad", "angle from the body x axis to the velocity of the mass centre, counter-clockwise"),
     "slip_left": ("1", "slip of the left track, positive driving, negative braking"),
     "slip_right": ("1", "slip of the right track, positive driving, negative braking"),
-    "traction_left": ("N", "longitudinal shear force of the ground on the left track, resistance not included"),
-    "traction_right": ("N", "longitudinal shear force of the ground on the right track, resistance not included"),
+    "traction_left": (
+        "N",
+        "longitudinal shear force of the ground on the left track, resistance not included",
+    ),
+    "traction_right": (
+        "N",
+        "longitudinal shear force of the ground on the right track, resistance not included",
+    ),
     "residual": ("1", "largest balance residual, in units of weight and weight times contact length"),
 }
 

@@ -93,7 +93,12 @@ def balance(
                 row = choose(rule, axis, layer)
                 count = rule.count[row]
                 shear = stretch_force(
-                    motion, ground, model.shear_modulus, stretch, rule.nodes[row, :count], rule.weights[row, :count]
+                    motion,
+                    ground,
+                    model.shear_modulus,
+                    stretch,
+                    rule.nodes[row, :count],
+                    rule.weights[row, :count],
                 )
                 f_x -= outward * shear.forward
                 f_y -= outward * shear.left

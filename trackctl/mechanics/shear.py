@@ -188,9 +188,7 @@ def stretch_force(
         Ty_b = rate * j_b * ny - mobilised * nx * turn_b
         # Sums.
         strength = ground.strength + ground.strength_gradient * x
-        dstrength = (
-            ground.strength_slope + ground.strength_gradient_slope * x + ground.strength_gradient * dx
-        )
+        dstrength = ground.strength_slope + ground.strength_gradient_slope * x + ground.strength_gradient * dx
         P = weight * strength
         dP = dweight * strength + weight * dstrength
         F_x += P * Tx

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.stats import qmc
 
 from trackctl.errors import UsageError
 
 Array = NDArray[np.float64]
 
 
-def sobol_sample(lower: ArrayLike, upper: ArrayLike, count: int, seed: int | np.random.Generator) -> Array:
-    """Scrambled Sobol' points in a box: even in every axis, yet each point uniformly distributed.
+def latin_hypercube(lower: ArrayLike, upper: ArrayLike, count: int, seed: int | np.random.Generator) -> Array:
+    """Points of a box, one at random in each of `count` equal strata of every axis [1]_.
 
-    The first `count` points of a sequence of 2^m: any count is allowed, and a power of two is the evenest.
+    Written out because importing a library for it (scipy.stats) takes longer than the whole analysis.
 
     Parameters
     ----------
@@ -23,7 +22,7 @@ def sobol_sample(lower: ArrayLike, upper: ArrayLike, count: int, seed: int | np.
     count
         Number of points, at least 1.
     seed
-        Seed or generator of the scrambling.
+        Seed or generator.
 
     Returns
     -------
@@ -36,12 +35,12 @@ def sobol_sample(lower: ArrayLike, upper: ArrayLike, count: int, seed: int | np.
 
     References
     ----------
-    .. [1] A. B. Owen, "Scrambling Sobol' and Niederreiter-Xing points", J. Complexity 14 (1998),
-       doi:10.1006/jcom.1998.0487.
+    .. [1] McKay, Beckman, Conover, A comparison of three methods for selecting values of input variables,
+       Technometrics 21 (1979), doi:10.1080/00401706.1979.10489755.
     """
     if count < 1:
         raise UsageError("--samples", count, "1 or more")
     low, high = np.asarray(lower, dtype=np.float64), np.asarray(upper, dtype=np.float64)
-    sequence = qmc.Sobol(low.size, scramble=True, seed=np.random.default_rng(seed))
-    unit_points = sequence.random_base2((count - 1).bit_length())[:count]
-    return low + (high - low) * unit_points
+    random = np.random.default_rng(seed)
+    strata = random.permuted(np.tile(np.arange(count)[:, None], low.size), axis=0)
+    return low + (high - low) * (strata + random.random(strata.shape)) / count

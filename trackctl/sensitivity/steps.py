@@ -25,13 +25,14 @@ def full_circle(divisions: int) -> int:
 def axis_indices(
     indices: Sequence[PawnIndex], inputs: Sequence[str], statistic: Statistic = Statistic.MEDIAN
 ) -> tuple[float, ...]:
-    """Largest index of each input over the outputs, 0 where none stands above its dummy threshold.
+    """Largest index of each input over the outputs, and no less than its dummy threshold.
 
-    One table serves all outputs, so that the one that varies most along an axis decides.
+    One table serves all outputs, so that the one that varies most along an axis decides. An index below the threshold
+    says no more than that: the axis may still matter that much.
     """
     return tuple(
         max(
-            found.index if found.is_influential else 0.0
+            max(found.index, found.dummy)
             for found in indices
             if found.input == name and found.statistic is statistic
         )
@@ -52,7 +53,7 @@ def divisions_from_indices(
     Parameters
     ----------
     indices
-        Index of each axis, non-negative; 0 for one that cannot be told from a dummy (`axis_indices`).
+        Index of each axis, non-negative (`axis_indices`).
     budget
         Largest number of cells.
     minimum

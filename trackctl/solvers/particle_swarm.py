@@ -87,7 +87,9 @@ def scatter(flock: Swarm, lower: Array, upper: Array, stream: Stream) -> None:
 
 
 @kernel
-def move(flock: Swarm, leader: int, inertia: float, settings: Settings, lower: Array, upper: Array, stream: Stream) -> None:
+def move(
+    flock: Swarm, leader: int, inertia: float, settings: Settings, lower: Array, upper: Array, stream: Stream
+) -> None:
     """Move every particle once; one that meets the box stops there."""
     particles, dimensions = flock.position.shape
     for i in range(particles):

@@ -1,0 +1,141 @@
+"""Solving a table column by column, on any executor, in any order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from trackctl.lut.axes import Array, Axes
+from trackctl.lut.cell import solver
+from trackctl.lut.cells import Cells, pending_cells
+from trackctl.lut.column import Column, solve_column
+from trackctl.lut.point import solve_batch
+from trackctl.lut.table import Status
+from trackctl.mechanics.parameters import TrackModel
+from trackctl.mechanics.slip import body_speed, slip
+
+#: Columns handed out ahead of those that are done, per worker: keeps memory constant and workers busy.
+AHEAD = 4
+
+
+class Seeding(StrEnum):
+    """Where a cell's solver starts."""
+
+    CONTINUATION = "continuation"
+    PSO = "pso"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sweep:
+    """All that the cells of a table depend on.
+
+    Attributes
+    ----------
+    model
+        Vehicle on its terrain.
+    axes
+        Grid nodes.
+    seeding
+        By continuation from neighbours, or by a swarm in every cell.
+    seed
+        Of the swarms.
+    """
+
+    model: TrackModel
+    axes: Axes
+    seeding: Seeding
+    seed: int
+
+    @property
+    def column_count(self) -> int:
+        """Number of columns: one for each slope and curvature."""
+        return self.axes.slope.size * self.axes.curvature.size
+
+    def place(self, column: int) -> tuple[int, int]:
+        """Slope and curvature index of a column."""
+        return divmod(column, self.axes.curvature.size)
+
+
+def solve(sweep: Sweep, column: int) -> Cells:
+    """Cells of one column, shape (n_velocity, n_heading); they depend on no other column."""
+    axes = sweep.axes
+    slope_index, curvature_index = sweep.place(column)
+    slope, curvature = float(axes.slope[slope_index]), float(axes.curvature[curvature_index])
+    shape = axes.velocity.size, axes.heading.size
+    cells = pending_cells(shape)
+    if sweep.seeding is Seeding.CONTINUATION:
+        velocity, heading = np.array(axes.velocity), np.array(axes.heading)
+        asked = Column(slope, curvature, velocity, heading, axes.heading_is_periodic, sweep.seed)
+        solve_column(solver(sweep.model), asked, cells)
+    else:
+        velocity, heading = np.meshgrid(axes.velocity, axes.heading, indexing="ij")
+        columns = (np.full(shape, slope), velocity, np.full(shape, curvature), heading)
+        points = np.stack(columns, axis=-1).reshape(-1, 4)
+        solve_batch(
+            solver(sweep.model), points, sweep.seed, column * points.shape[0], False, cells.reshape(-1)
+        )
+    return cells
+
+
+def solve_columns(
+    sweep: Sweep, columns: Iterable[int], executor: Executor, workers: int
+) -> Iterator[tuple[int, Cells]]:
+    """Columns as they get done, with their cells; few are under way at a time, whatever their number."""
+    waiting = iter(columns)
+    running: dict[Future[Cells], int] = {}
+    try:
+        while True:
+            for column in waiting:
+                running[executor.submit(solve, sweep, column)] = column
+                if len(running) >= AHEAD * workers:
+                    break
+            if not running:
+                return
+            done, _ = wait(running, return_when=FIRST_COMPLETED)
+            for future in sorted(done, key=running.__getitem__):
+                yield running.pop(future), future.result()
+    finally:
+        for future in running:
+            future.cancel()
+
+
+def column_values(
+    sweep: Sweep, column: int, cells: Cells, sprocket_radius: float, weight: float
+) -> dict[str, Array]:
+    """Variables of a table for one column.
+
+    Parameters
+    ----------
+    sweep, column, cells
+        The column and what `solve` gave for it.
+    sprocket_radius
+        [m]
+    weight
+        m g. [N]
+
+    Returns
+    -------
+    dict
+        One array of shape (n_velocity, n_heading) per name of `VARIABLES`; NaN where not converged, except `residual`.
+    """
+    model = sweep.model
+    curvature = float(sweep.axes.curvature[sweep.place(column)[1]])
+    converged = cells["status"] == Status.CONVERGED
+    unknowns = np.where(converged[..., None], cells["unknowns"], np.nan)
+    traction = np.where(converged[..., None], cells["traction"], np.nan) * weight
+    sideslip = unknowns[..., 2]
+    velocity = sweep.axes.velocity[:, None]
+    values = {"sideslip": sideslip, "residual": cells["residual"]}
+    for track, side in enumerate(("left", "right")):
+        arm = (0.5 - track) * model.gauge - model.cog_left
+        values[f"sprocket_rate_{side}"] = unknowns[..., track] * velocity / sprocket_radius
+        values[f"slip_{side}"] = slip(unknowns[..., track], body_speed(1.0, curvature, sideslip, arm))
+        values[f"traction_{side}"] = traction[..., track]
+    return values
+
+
+Progress = Callable[[int, int], None]

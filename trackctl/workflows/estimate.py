@@ -1,0 +1,28 @@
+"""What a table will cost, before it is compiled."""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from trackctl.lut.sweep import solve
+from trackctl.workflows.compute_lut import TableRequest
+
+#: Bytes of a cell in the file: eight float64 variables and the status.
+CELL_BYTES = 65
+#: Columns that the time is measured on.
+SAMPLE = 3
+
+
+def estimate(request: TableRequest, jobs: int) -> dict[str, float]:
+    """Cells, bytes of the file, and seconds of solving, from a few columns of the table."""
+    sweep = request.sweep
+    columns = np.unique(np.linspace(0, sweep.column_count - 1, SAMPLE).astype(int))
+    solve(sweep, int(columns[0]))
+    started = time.perf_counter()
+    for column in columns:
+        solve(sweep, int(column))
+    each = (time.perf_counter() - started) / columns.size
+    cells = sweep.axes.size
+    return {"cells": cells, "bytes": cells * CELL_BYTES, "seconds": each * sweep.column_count / jobs}

@@ -1,0 +1,184 @@
+"""`lookup`: sprocket commands for operating points, from a table or from the model that it was made with."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.errors import InputFileError
+from trackctl.files.lut_match import check_matches
+from trackctl.files.lut_reader import LutHeader, read_lut, read_lut_header
+from trackctl.lut.axes import Array, Axes
+from trackctl.lut.interpolation import LookupResult, LookupStatus, interpolant, look_up, table_points
+from trackctl.lut.point import solve_points
+from trackctl.lut.shape_functions import Method, axis_stencils
+from trackctl.lut.table import Table
+from trackctl.mechanics.parameters import track_model
+from trackctl.mechanics.slip import body_speed, slip
+from trackctl.profiles.terrain import TerrainProfile
+from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.lookup_method import LookupMethod
+from trackctl.workflows.operating_points import OperatingPoints
+
+Progress = Callable[[int, int], None]
+Found = Table | LutHeader
+
+#: Points answered between two reports of progress.
+BATCH = 16384
+SHOWN_SLOPES = 8
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LookupRequest:
+    """What to look up, and where.
+
+    Attributes
+    ----------
+    lut
+        The table's file.
+    points
+        The queries; their slope may be left out if the table has only one.
+    method
+        How they are answered.
+    vehicle, terrain, gravity
+        What the table must be made for, None to take it as it is; the limits of a vehicle that is given apply
+        in place of the table's. Gravity: [m/s2]
+    jobs
+        Threads.
+    """
+
+    lut: Path
+    points: OperatingPoints
+    method: LookupMethod = LookupMethod.MLS
+    vehicle: VehicleProfile | None = None
+    terrain: TerrainProfile | None = None
+    gravity: float | None = None
+    jobs: int = 1
+
+
+def lookup(request: LookupRequest, progress: Progress = lambda done, total: None) -> LookupResult:
+    """Answer the queries of a request.
+
+    Parameters
+    ----------
+    request
+        What to look up.
+    progress
+        Told the number of points answered, and of all.
+
+    Returns
+    -------
+    LookupResult
+        Arrays of shape (n_points,); NaN where `status` says that there is no answer.
+
+    Raises
+    ------
+    LutFormatError
+        If the file is no table.
+    LutMismatchError
+        If the table is made for something else.
+    InputFileError
+        If the points do not say which of the table's slopes they are on.
+    """
+    answer, found = opened_table(request)
+    velocity, curvature, heading = request.points.velocity, request.points.curvature, request.points.heading
+    points = np.stack((slopes(request, found.axes), velocity, curvature, heading))
+    answered = []
+    for start in range(0, velocity.size, BATCH):
+        answered.append(answer(np.ascontiguousarray(points[:, start : start + BATCH])))
+        progress(min(start + BATCH, velocity.size), velocity.size)
+    return joined(answered)
+
+
+def opened_table(request: LookupRequest) -> tuple[Callable[[Array], LookupResult], Found]:
+    """What answers a batch of points, shape (4, n_points), and the table behind it."""
+    if request.method is LookupMethod.EXACT:
+        header = matching(request, read_lut_header(request.lut))
+        return lambda points: exact_answers(header, points, request.jobs), header
+    table = matching(request, read_lut(request.lut))
+    packed, method = interpolant(table), Method(request.method.value)
+    return lambda points: look_up(packed, *points, method=method, jobs=request.jobs), table
+
+
+def matching[FoundT: (Table, LutHeader)](request: LookupRequest, found: FoundT) -> FoundT:
+    """The table for the vehicle asked for, or a `LutMismatchError`."""
+    vehicle, terrain = request.vehicle or found.vehicle, request.terrain or found.terrain
+    gravity = found.gravity if request.gravity is None else request.gravity
+    check_matches(found, vehicle, terrain, gravity, request.lut)
+    return replace(found, vehicle=vehicle)
+
+
+def slopes(request: LookupRequest, axes: Axes) -> Array:
+    """Slope of each point: its own, or the only one of the table."""
+    if request.points.slope is not None:
+        return request.points.slope
+    if axes.slope.size == 1:
+        return np.full(request.points.velocity.size, axes.slope[0])
+    shown = ", ".join(f"{angle:.6g}" for angle in np.degrees(axes.slope[:SHOWN_SLOPES]))
+    more = ", ..." if axes.slope.size > SHOWN_SLOPES else ""
+    raise InputFileError(
+        request.lut,
+        f"has {axes.slope.size} slopes ({shown}{more} deg) and the points name none; "
+        "add a column slope_rad or slope_deg, or --slope-deg to a single point",
+    )
+
+
+def exact_answers(header: LutHeader, points: Array, jobs: int) -> LookupResult:
+    """Answers of the model itself to points in the range of a table, shape (4, n_points)."""
+    vehicle = header.vehicle
+    inside = inside_table(header.axes, vehicle, points)
+    ratios = np.full((3, inside.size), np.nan)
+    status = np.full(inside.size, LookupStatus.OUTSIDE_TABLE, np.uint8)
+    cells = solve_points(
+        track_model(vehicle, header.terrain, header.gravity), points[:, inside].T, jobs=jobs
+    )
+    ratios[:, inside], status[inside] = cells["unknowns"].T, cells["status"]
+    rates = ratios[:2] * points[1] / vehicle.sprocket_radius
+    too_fast = np.abs(rates).max(axis=0) > vehicle.max_sprocket_rate
+    status[too_fast] = LookupStatus.ACTUATOR_LIMIT
+    ratios[:, too_fast] = rates[:, too_fast] = np.nan
+    arms = np.array([[0.5], [-0.5]]) * vehicle.track_gauge - vehicle.cog_left
+    curvature = np.where(inside, points[2], np.nan)
+    slips = slip(ratios[:2], body_speed(1.0, curvature, ratios[2], arms))
+    return LookupResult(*(ratios[:2] * points[1]), *rates, ratios[2], *slips, status=status)
+
+
+def inside_table(axes: Axes, vehicle: VehicleProfile, points: Array) -> NDArray[np.bool_]:
+    """Whether points lie in the range of a table, as interpolation has it, shape (n_points,)."""
+    stencils = axis_stencils(axes)
+    mirrored = bool(axes.curvature[0] >= 0.0) and vehicle.cog_left == 0.0
+    places = table_points(points, mirrored, stencils[-1].lower)
+    within = [(axis.lower <= x) & (x <= axis.upper) for axis, x in zip(stencils, places, strict=True)]
+    return np.logical_and.reduce(within)
+
+
+def joined(parts: list[LookupResult]) -> LookupResult:
+    """Results of consecutive batches as one."""
+    names = [field.name for field in dataclasses.fields(LookupResult)]
+    return LookupResult(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+
+
+def answer_columns(result: LookupResult) -> dict[str, Array | list[str]]:
+    """The answers as columns of a CSV table."""
+    words = {each.value: each.label for each in LookupStatus}
+    return {
+        "sprocket_rate_left_radps": result.sprocket_rate_left,
+        "sprocket_rate_right_radps": result.sprocket_rate_right,
+        "track_speed_left_mps": result.track_speed_left,
+        "track_speed_right_mps": result.track_speed_right,
+        "sideslip_rad": result.sideslip,
+        "slip_left": result.slip_left,
+        "slip_right": result.slip_right,
+        "status": [words[code] for code in result.status.tolist()],
+    }
+
+
+def status_counts(result: LookupResult) -> dict[str, int]:
+    """Number of points of each status, by its word."""
+    counts = np.bincount(result.status, minlength=len(LookupStatus))
+    return {each.label: int(counts[each]) for each in LookupStatus}

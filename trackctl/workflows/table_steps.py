@@ -1,0 +1,97 @@
+"""How finely a table is divided: by explicit steps, by sensitivity under a cell budget, or until its error is small."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from trackctl.lut.grid import (
+    Divisions,
+    Ranges,
+    curvature_count,
+    divisions_of,
+    heading_count,
+    nodes,
+)
+from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.sensitivity.steps import axis_indices, divisions_from_indices
+from trackctl.workflows.sensitivity import SensitivityResult
+
+AXES = ("velocity", "radius", "heading")
+#: Least divisions, whatever the indices say: influence is not interpolation error.
+LEAST = Divisions(velocity=4, radius=12, heading=24)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChosenSteps:
+    """The divisions of a table and why they are so.
+
+    Attributes
+    ----------
+    divisions
+        Along each axis.
+    ranges
+        That they divide.
+    reason
+        One sentence.
+    sensitivity
+        The analysis that they were drawn from, if any.
+    """
+
+    divisions: Divisions
+    ranges: Ranges
+    reason: str
+    sensitivity: SensitivityResult | None = None
+
+    def step(self, axis: str) -> float:
+        """Length of a step, 0 for an axis of one node. [m/s], [m] or [rad]"""
+        low, high = getattr(self.ranges, axis)
+        count = getattr(self.divisions, axis)
+        return (high - low) / count if count else 0.0
+
+    def attributes(self) -> dict[str, object]:
+        """Steps in SI units and why, for the file."""
+        return {**{f"step_{axis}": self.step(axis) for axis in AXES}, "step_reason": self.reason}
+
+
+def explicit_steps(ranges: Ranges, velocity: float, radius: float, heading: float) -> ChosenSteps:
+    """Steps as asked for, shrunk where they do not divide their range. [m/s], [m], [rad]"""
+    given = {"velocity": velocity, "radius": radius, "heading": heading}
+    counts = {}
+    for axis, step in given.items():
+        low, high = getattr(ranges, axis)
+        counts[axis] = divisions_of(high - low, step, f"--steps {axis}")
+    return ChosenSteps(Divisions(**counts), ranges, "explicit steps")
+
+
+def least_divisions(ranges: Ranges) -> tuple[int, ...]:
+    """Least divisions of each axis; none where a range is a single value."""
+    return tuple(
+        getattr(LEAST, axis) if getattr(ranges, axis)[1] > getattr(ranges, axis)[0] else 0 for axis in AXES
+    )
+
+
+def steps_from_sensitivity(
+    vehicle: VehicleProfile, ranges: Ranges, budget: int, found: SensitivityResult
+) -> ChosenSteps:
+    """Divisions in proportion to the PAWN indices, as many as a budget of cells per slope allows."""
+    indices = axis_indices(found.result.indices, AXES)
+    counts: list[Callable[[int], int]] = [
+        lambda d: nodes(ranges.velocity, d),
+        lambda d: curvature_count(vehicle, ranges, d),
+        lambda d: heading_count(ranges, d),
+    ]
+    least = least_divisions(ranges)
+    varied = [index if minimum else 0.0 for index, minimum in zip(indices, least, strict=True)]
+    divisions = Divisions(*divisions_from_indices(varied, budget, least, counts))
+    shown = ", ".join(f"{axis} {index:.2f}" for axis, index in zip(AXES, indices, strict=True))
+    reason = f"divisions follow the PAWN indices ({shown}) under a budget of {budget} cells a slope"
+    return ChosenSteps(divisions, ranges, reason, found)
+
+
+def refined(steps: ChosenSteps, axis: str, factor: float, reason: str) -> ChosenSteps:
+    """The same with more divisions along one axis."""
+    count = int(np.ceil(getattr(steps.divisions, axis) * factor))
+    return replace(steps, divisions=replace(steps.divisions, **{axis: count}), reason=reason)
