@@ -25,9 +25,7 @@ def loads_of(point: OraclePoint, sideslip: float = 0.0) -> Loads:
     return loads(model_of(point), operating_point_of(point), sideslip)
 
 
-def contact_at(
-    centre: float, load: float = LOAD, load_slope: float = 0.0, centre_slope: float = 0.0
-) -> Contact:
+def contact_at(centre: float, load: float = LOAD, load_slope: float = 0.0, centre_slope: float = 0.0) -> Contact:
     return contact(model_of(DOCUMENTED), load, load_slope, centre, centre_slope)
 
 

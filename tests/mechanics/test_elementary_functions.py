@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -57,8 +58,7 @@ def test_rotation_by_nothing_changes_nothing() -> None:
 def test_fit_gains_digits_with_its_degree() -> None:
     z = np.linspace(0.0, 1.0, 201)
     errors = [
-        np.abs(np.polynomial.polynomial.polyval(z, monomials(np.exp, 1.0, n)) - np.exp(z)).max()
-        for n in range(2, 9)
+        np.abs(np.polynomial.polynomial.polyval(z, monomials(np.exp, 1.0, n)) - np.exp(z)).max() for n in range(2, 9)
     ]
     # Chebyshev coefficients of exp on [0, 1] fall as (1/4)^n / n!: by more than 1/8 a degree from the second on.
-    assert all(later < earlier / 8.0 for earlier, later in zip(errors, errors[1:], strict=False))
+    assert all(later < earlier / 8.0 for earlier, later in pairwise(errors))

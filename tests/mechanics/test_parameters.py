@@ -51,9 +51,7 @@ def test_gravity_is_one_vector_in_whatever_axes(slope: float, heading: float, tu
     # Body axes turned by an angle see gravity turned back by it: only the heading relative to the slope matters.
     before = operating_point_of(replace(DOCUMENTED, slope=slope, heading=heading))
     after = operating_point_of(replace(DOCUMENTED, slope=slope, heading=heading + turned))
-    rotated = complex(before.gravity_forward, before.gravity_left) * complex(
-        math.cos(turned), -math.sin(turned)
-    )
+    rotated = complex(before.gravity_forward, before.gravity_left) * complex(math.cos(turned), -math.sin(turned))
     assert after.gravity_forward == pytest.approx(rotated.real, abs=1e-14)
     assert after.gravity_left == pytest.approx(rotated.imag, abs=1e-14)
     assert math.hypot(abs(rotated), after.normal) == pytest.approx(1.0, rel=1e-14)

@@ -60,9 +60,7 @@ def test_no_slip_radius_of_the_papers_experiment():
 
 
 def test_no_slip_radius_when_straight_or_unknown():
-    np.testing.assert_array_equal(
-        no_slip_radius(GAUGE, [1.0, 0.0, np.nan], [1.0, 0.0, 1.0]), [np.inf, np.inf, np.nan]
-    )
+    np.testing.assert_array_equal(no_slip_radius(GAUGE, [1.0, 0.0, np.nan], [1.0, 0.0, 1.0]), [np.inf, np.inf, np.nan])
 
 
 @given(st.floats(0.5, 100.0), SPEEDS)

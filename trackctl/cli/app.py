@@ -18,7 +18,10 @@ from typer.core import TyperGroup
 from trackctl import __version__
 from trackctl.cli import profiles
 from trackctl.cli.compute_lut import compute_lut
+from trackctl.cli.info import info
+from trackctl.cli.lookup import lookup
 from trackctl.cli.registration import add_command, help_texts
+from trackctl.cli.sensitivity import sensitivity
 from trackctl.errors import NoAnswerError, TrackctlError
 
 NO_ANSWER = 1
@@ -26,7 +29,7 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 
 #: One function per command, in the order of the help.
-COMMANDS: tuple[Callable[..., None], ...] = (compute_lut,)
+COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity)
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
 

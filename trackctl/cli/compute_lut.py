@@ -109,11 +109,8 @@ def compute_lut(
 
     from trackctl.files.atomic import check_output
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
-    from trackctl.lut.grid import check_ranges
-    from trackctl.lut.sweep import Seeding
-    from trackctl.workflows.compute_lut import TableRequest, refuse_streams
+    from trackctl.workflows.compute_lut import new_request, refuse_streams
     from trackctl.workflows.sensitivity import ranges_within
-    from trackctl.workflows.table_steps import Divisions
 
     started = time.perf_counter()
     refuse_streams(output)
@@ -127,13 +124,10 @@ def compute_lut(
         radius=range_of(radius_m, "--radius-m") if radius_m else None,
         heading=(math.radians(low), math.radians(high)),
     )
-    check_ranges(carrier, slope, ranges)
+    blank = new_request(carrier, ground, gravity_mps2, slope, ranges, seeding.value, seed)
     if not dry_run:
         check_output(output, force)
     announce_compilation(quiet)
-    blank = TableRequest(
-        carrier, ground, gravity_mps2, slope, ranges, Divisions(0, 0, 0), Seeding(seeding.value), seed
-    )  # fmt: skip
     chosen = choose_steps(blank, steps, budget, jobs, quiet)
     request = with_divisions(blank, chosen)
     if tolerance is not None:

@@ -85,8 +85,8 @@ def follow(solver: Solver, way: Way, x: Array) -> int:
     Returns
     -------
     int
-        `REACHED`; or the limit at which the branch ends on the way (a fold is want of grip); or `LOST`. x holds the last
-        root found.
+        `REACHED`; or the limit at which the branch ends on the way (a fold is want of grip); or `LOST`. x holds the
+        last root found.
     """
     line = solver.curve
     continuation.start(line, x)

@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: Largest residual of an accepted cell, in units of m g and m g L.
 TOLERANCE = 1e-10
 #: Most evaluations from a warm start.
-WARM_EVALUATIONS = 14
+WARM_EVALUATIONS = 8
 
 
 #: Quadrature of the answers, and of a swarm that only has to find the valley.
@@ -51,6 +51,8 @@ def linked_balance(  # type: ignore[no-untyped-def]
 Solver = Any
 
 PARTICLES = 16
+#: Highest order of the differences that a start is predicted from.
+MOST_DIFFERENCES = 7
 SOLVER = np.dtype(
     [
         ("numbers", np.float64, MODEL_SIZE + POINT_SIZE),  # of the model, then of the operating point
@@ -63,6 +65,11 @@ SOLVER = np.dtype(
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
         ("curve", curve(3)),
+        (
+            "difference",
+            np.float64,
+            (MOST_DIFFERENCES + 1, 3),
+        ),  # backward differences of the last roots along a row
     ],
     align=True,
 )

@@ -116,7 +116,8 @@ def certify(table: Interpolant, model: TrackModel, points: Array, seed: int, job
         Of the direct solves.
     """
     exact = solve_points(model, points, seed=seed, jobs=jobs)
-    found = look_up(table, *points.T, method=Method.MLS, jobs=jobs)
+    slope, velocity, curvature, heading = points.T
+    found = look_up(table, slope, velocity, curvature, heading, Method.MLS, jobs)
     solved = exact["status"] == Status.CONVERGED
     answered = found.status == LookupStatus.CONVERGED
     both = solved & answered

@@ -2,9 +2,9 @@
 
 A column depends on no other, so a table's cells do not depend on how columns are dealt to workers. Within it a row is
 one velocity. The first row starts from swarms at a few headings; a row goes round the headings both ways, each cell
-started by extrapolating its neighbours, or from the row below. Where the branch ends between two cells, it is followed to
-the fold or limit that ends it: that is the evidence that the cells beyond are infeasible. Only where there is none, the
-swarm decides.
+started by extrapolating its neighbours, or from the row below. Where the branch ends between two cells, it is followed
+to the fold or limit that ends it: that is the evidence that the cells beyond are infeasible. Only where there is none,
+the swarm decides.
 """
 
 from __future__ import annotations
@@ -17,29 +17,17 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import REACHED, Way, follow
-from trackctl.lut.cell import Solver, model_of, residual_at, solve_warm
+from trackctl.lut.cell import MOST_DIFFERENCES, Solver, model_of, residual_at, solve_warm
 from trackctl.lut.cells import PENDING, Cells
 from trackctl.lut.point import CLEARLY_UNBALANCED, NOT_CONVERGED
 from trackctl.lut.swarm_search import no_slip, search
-from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
+from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible, surely_admissible
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers.levenberg_marquardt import largest
 from trackctl.solvers.random_stream import stream
 
 Array = NDArray[np.float64]
 
-#: Most neighbours that a start is extrapolated from; coefficients of row m - 1 go with m of them, nearest first.
-MOST_NEIGHBOURS = 6
-EXTRAPOLATION = np.array(
-    [
-        [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [2.0, -1.0, 0.0, 0.0, 0.0, 0.0],
-        [3.0, -3.0, 1.0, 0.0, 0.0, 0.0],
-        [4.0, -6.0, 4.0, -1.0, 0.0, 0.0],
-        [5.0, -10.0, 10.0, -5.0, 1.0, 0.0],
-        [6.0, -15.0, 20.0, -15.0, 6.0, -1.0],
-    ]
-)
 #: Headings of the first row that start from a swarm.
 SEEDS = 4
 
@@ -96,58 +84,99 @@ def neighbour(column: Column, cell: int, offset: int) -> int:
     """Index of a cell's neighbour in heading, or -1 beyond the end."""
     count = column.heading.size
     index = cell + offset
-    if column.periodic:
-        return index % count
-    return index if 0 <= index < count else -1
+    if 0 <= index < count:
+        return index
+    if not column.periodic:
+        return -1
+    return index - count if index > 0 else index + count
 
 
 @kernel
-def extrapolate(
-    column: Column, cells: Cells, row: int, cell: int, direction: int, known: int, x: Array
-) -> None:
-    """Start of a cell from the `known` cells before it in the direction of travel."""
+def note(solver: Solver, root: Array, known: int) -> int:
+    """Add a root to the differences of the `known` before it along the row; how many are known now."""
+    d = solver.difference
+    for i in range(3):
+        latest = root[i]
+        for m in range(min(known, MOST_DIFFERENCES) + 1):
+            earlier = d[m, i]
+            d[m, i] = latest
+            latest -= earlier
+    return known + 1
+
+
+@kernel
+def predict(solver: Solver, known: int, x: Array) -> None:
+    """Start of the next cell of the row: the extrapolation of the order that was best at the last one.
+
+    The m-th backward difference is the error there of the extrapolation from m cells, which is the sum of the
+    differences below the m-th.
+    """
+    d = solver.difference
+    order, least = 1, np.inf
+    for m in range(1, min(known - 1, MOST_DIFFERENCES) + 1):
+        error = d[m, 0] * d[m, 0] + d[m, 1] * d[m, 1] + d[m, 2] * d[m, 2]
+        if error < least:
+            order, least = m, error
     for i in range(3):
         x[i] = 0.0
-    for k in range(known):
-        before = neighbour(column, cell, -direction * (k + 1))
-        weight = EXTRAPOLATION[known - 1, k]
-        for i in range(3):
-            x[i] += weight * cells[row, before].unknowns[i]
+        for m in range(order):
+            x[i] += d[m, i]
 
 
 @kernel
-def sweep(
-    solver: Solver, column: Column, cells: Cells, row: int, first: int, direction: int, count: int, x: Array
-) -> None:
-    """Solve the pending cells of a row in the order of travel, from where neighbours or the row below are known."""
-    known = 0
-    cell = first
-    for _ in range(count):
+def solve_pending(solver: Solver, column: Column, cells: Cells, row: int, cell: int, known: int, x: Array) -> None:
+    """Solve a pending cell from the `known` roots before it, or else once from the row below."""
+    point = point_of(solver, column, row, cell)
+    solved = False
+    if known > 0:
+        predict(solver, known, x)
+        solved = solve_warm(solver, point, x)
+    if not solved and math.isnan(cells[row, cell].residual) and has_root(cells, row - 1, cell):
+        for i in range(3):
+            x[i] = cells[row - 1, cell].unknowns[i]
+        solved = solve_warm(solver, point, x)
+        cells[row, cell].residual = largest(solver.work.residual)
+    if solved:
+        store(solver, cells, row, cell, point, x)
+
+
+@kernel
+def sweep(solver: Solver, column: Column, cells: Cells, row: int, first: int, direction: int, x: Array) -> None:
+    """Solve the pending cells of a row in the order of travel, from where neighbours or the row below are known.
+
+    Periodic headings are gone round one and a half times.
+    """
+    count = column.heading.size
+    pending = count_pending(cells, row)
+    known, cell = 0, first
+    for _ in range(count + count // 2 if column.periodic else count):
+        if pending == 0:
+            return
         if cells[row, cell].status == PENDING:
-            point = point_of(solver, column, row, cell)
-            solved = False
-            if known > 0:
-                extrapolate(column, cells, row, cell, direction, min(known, MOST_NEIGHBOURS), x)
-                solved = solve_warm(solver, point, x)
-            if not solved and has_root(cells, row - 1, cell):
-                for i in range(3):
-                    x[i] = cells[row - 1, cell].unknowns[i]
-                solved = solve_warm(solver, point, x)
-            if solved:
-                store(solver, cells, row, cell, point, x)
-        known = known + 1 if has_root(cells, row, cell) else 0
+            solve_pending(solver, column, cells, row, cell, known, x)
+            pending -= cells[row, cell].status != PENDING
+        known = note(solver, cells[row, cell].unknowns, known) if has_root(cells, row, cell) else 0
         cell = neighbour(column, cell, direction)
         if cell < 0:
             return
 
 
 @kernel
-def sweep_both_ways(solver: Solver, column: Column, cells: Cells, row: int, first: int, x: Array) -> None:
-    """Sweep a row forwards and backwards from a cell, twice round where headings are periodic."""
-    count = column.heading.size
-    sweep(solver, column, cells, row, first, 1, count + count // 2 if column.periodic else count, x)
-    last = first if column.periodic else count - 1
-    sweep(solver, column, cells, row, last, -1, count + count // 2 if column.periodic else count, x)
+def count_pending(cells: Cells, row: int) -> int:
+    """Number of pending cells of a row."""
+    pending = 0
+    for cell in range(cells.shape[1]):
+        pending += cells[row, cell].status == PENDING
+    return pending
+
+
+@kernel
+def sweep_both_ways(solver: Solver, column: Column, cells: Cells, row: int, easiest: int, x: Array) -> None:
+    """Sweep a row forwards and backwards, from its easiest cell where headings are periodic."""
+    for direction in (1, -1):
+        end = 0 if direction > 0 else column.heading.size - 1
+        first = easiest if column.periodic else end
+        sweep(solver, column, cells, row, first, direction, x)
 
 
 @kernel
@@ -177,10 +206,14 @@ def seed(solver: Solver, column: Column, cells: Cells, row: int, cell: int, x: A
 @kernel
 def bound_row(solver: Solver, column: Column, cells: Cells, row: int) -> int:
     """Mark the cells of a row that are proven infeasible, the others pending; the number of pending cells."""
+    model = model_of(solver)
+    centripetal = point_of(solver, column, row, 0).centripetal
+    proves_nothing = surely_admissible(model, column.slope, centripetal)
     pending = 0
     for cell in range(column.heading.size):
-        point = point_of(solver, column, row, cell)
-        proven = proven_infeasible(model_of(solver), point)
+        proven = ADMISSIBLE
+        if not proves_nothing:
+            proven = proven_infeasible(model, point_of(solver, column, row, cell))
         for i in range(3):
             cells[row, cell].unknowns[i] = np.nan
         for i in range(2):
@@ -261,12 +294,7 @@ def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, x: Array
         if cells[row, cell].status != PENDING:
             continue
         below = cells[row - 1, cell].status if row > 0 else PENDING
-        if (
-            below != PENDING
-            and below != ADMISSIBLE
-            and below != NOT_CONVERGED
-            and not has_root(cells, row - 1, cell)
-        ):
+        if below != PENDING and below != ADMISSIBLE and below != NOT_CONVERGED and not has_root(cells, row - 1, cell):
             cells[row, cell].status = below
         elif not seed(solver, column, cells, row, cell, x):
             unbalanced = cells[row, cell].residual > CLEARLY_UNBALANCED
@@ -300,9 +328,9 @@ def solve_row(solver: Solver, column: Column, cells: Cells, row: int, x: Array) 
                 if cells[row, cell].status == PENDING:
                     seed(solver, column, cells, row, cell, x)
         sweep_both_ways(solver, column, cells, row, easiest, x)
-        if cells[row, easiest].status == PENDING and not has_root(cells, row - 1, easiest):
-            if seed(solver, column, cells, row, easiest, x):
-                sweep_both_ways(solver, column, cells, row, easiest, x)
+        lost = cells[row, easiest].status == PENDING and not has_root(cells, row - 1, easiest)
+        if lost and seed(solver, column, cells, row, easiest, x):
+            sweep_both_ways(solver, column, cells, row, easiest, x)
         while close_gaps(solver, column, cells, row, x):
             sweep_both_ways(solver, column, cells, row, easiest, x)
         while decide_rest(solver, column, cells, row, x):

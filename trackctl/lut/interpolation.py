@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.axes import FULL_CIRCLE, Array
+from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.shape_functions import Flags, Method, Offsets, Stencils, axis_stencils, weigh
 from trackctl.lut.table import Status, Table
 from trackctl.profiles.vehicle import VehicleProfile
@@ -140,7 +140,7 @@ def interpolant_of(
     axes
         Grid nodes.
     unknowns
-        Left and right track speed over speed [-] and sideslip [rad], shape (\*axes.shape, 3); overwritten with NaN where
+        Left and right track speed over speed [-] and sideslip [rad], shape `axes.shape` and 3; overwritten with NaN where
         the status is not converged.
     status
         `Status` of the cells, shape `axes.shape`.

@@ -40,8 +40,8 @@ def solve_point(
 ) -> tuple[int, float]:
     """Solve one operating point; x receives the track speed ratios and the sideslip.
 
-    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`, then the swarm. Where neither finds a root,
-    the branch is followed from standstill: where it ends on the way, the point is infeasible.
+    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`, then the swarm. Where neither finds a
+    root, the branch is followed from standstill: where it ends on the way, the point is infeasible.
 
     Returns
     -------
@@ -81,9 +81,7 @@ def solve_batch(
         slope, velocity, curvature, heading = points[i, 0], points[i, 1], points[i, 2], points[i, 3]
         draws = stream(seed, first + i)
         cell = cells[i]
-        cell.status, cell.residual = solve_point(
-            solver, slope, velocity, curvature, heading, draws, try_no_slip, x
-        )
+        cell.status, cell.residual = solve_point(solver, slope, velocity, curvature, heading, draws, try_no_slip, x)
         if cell.status == ADMISSIBLE:
             for k in range(3):
                 cell.unknowns[k] = x[k]

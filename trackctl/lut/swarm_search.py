@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,6 +88,17 @@ def fly(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> None
 
 
 @kernel
+def take_cheapest(cost: Array) -> int:
+    """Index of the least cost, which is not given again."""
+    cheapest = 0
+    for i in range(cost.size):
+        if cost[i] < cost[cheapest]:
+            cheapest = i
+    cost[cheapest] = np.inf
+    return cheapest
+
+
+@kernel
 def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> tuple[bool, float]:
     """PSO-LM: the root on the branch that goes on from low speed, wherever it lies in the physical box.
 
@@ -98,9 +110,8 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
     solver.coarse = True
     fly(solver, point, stream, x)
     least = np.inf
-    order = np.argsort(solver.flock.cost)
-    for k in range(STARTS):
-        unknowns_of(model_of(solver), point.curvature, solver.flock.best[order[k]], x)
+    for _ in range(STARTS):
+        unknowns_of(model_of(solver), point.curvature, solver.flock.best[take_cheapest(solver.flock.cost)], x)
         solver.coarse = True
         solve_from(solver, point, x, APPROACH, MOST_EVALUATIONS)
         solver.coarse = False

@@ -28,18 +28,19 @@ def monomials(function: Callable[[Array], Array], high: float, degree: int) -> t
     return tuple(fit.convert(kind=Polynomial, domain=[-1.0, 1.0], window=[-1.0, 1.0]).coef.tolist())
 
 
-EXP = monomials(lambda z: np.exp(-z), LARGEST_EXPONENT / 2**SQUARINGS, 10)
-SINC = monomials(lambda z: np.sinc(np.sqrt(z) / np.pi), LARGEST_HALF_ANGLE**2, 8)
-COS = monomials(lambda z: np.cos(np.sqrt(z)), LARGEST_HALF_ANGLE**2, 8)
+#: Of (1 - exp(-z))/z, (1 - sinc)/z and (1 - cos)/z, so that nothing is lost at 0.
+DECAY = monomials(lambda z: -np.expm1(-z) / z, LARGEST_EXPONENT / 2**SQUARINGS, 9)
+SINC = monomials(lambda z: (1.0 - np.sinc(np.sqrt(z) / np.pi)) / z, LARGEST_HALF_ANGLE**2, 6)
+COS = monomials(lambda z: 2.0 * np.sin(0.5 * np.sqrt(z)) ** 2 / z, LARGEST_HALF_ANGLE**2, 7)
 
 
 @kernel
 def decay(exponent: float) -> float:
     """exp(-exponent) for a non-negative exponent, to 1e-14 relative to 1."""
-    z = min(exponent, LARGEST_EXPONENT) * (1.0 / 2**SQUARINGS)
+    z = min(exponent * (1.0 / 2**SQUARINGS), LARGEST_EXPONENT / 2**SQUARINGS)
     # fmt: off
-    e = EXP[0] + z * (EXP[1] + z * (EXP[2] + z * (EXP[3] + z * (EXP[4] + z * (EXP[5] + z * (
-        EXP[6] + z * (EXP[7] + z * (EXP[8] + z * (EXP[9] + z * EXP[10])))))))))
+    e = 1.0 - z * (DECAY[0] + z * (DECAY[1] + z * (DECAY[2] + z * (DECAY[3] + z * (DECAY[4] + z * (
+        DECAY[5] + z * (DECAY[6] + z * (DECAY[7] + z * (DECAY[8] + z * DECAY[9])))))))))
     # fmt: on
     e *= e
     e *= e
@@ -53,8 +54,8 @@ def decay(exponent: float) -> float:
 def sinc(z: float) -> float:
     """sin(a)/a of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
     # fmt: off
-    return SINC[0] + z * (SINC[1] + z * (SINC[2] + z * (SINC[3] + z * (SINC[4] + z * (
-        SINC[5] + z * (SINC[6] + z * (SINC[7] + z * SINC[8])))))))
+    return 1.0 - z * (SINC[0] + z * (SINC[1] + z * (SINC[2] + z * (SINC[3] + z * (
+        SINC[4] + z * (SINC[5] + z * SINC[6]))))))
     # fmt: on
 
 
@@ -62,6 +63,6 @@ def sinc(z: float) -> float:
 def cosine(z: float) -> float:
     """cos(a) of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
     # fmt: off
-    return COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (COS[4] + z * (
-        COS[5] + z * (COS[6] + z * (COS[7] + z * COS[8])))))))
+    return 1.0 - z * (COS[0] + z * (COS[1] + z * (COS[2] + z * (COS[3] + z * (
+        COS[4] + z * (COS[5] + z * (COS[6] + z * COS[7])))))))
     # fmt: on

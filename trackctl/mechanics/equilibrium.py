@@ -11,8 +11,16 @@ from trackctl.compiled import kernel
 from trackctl.mechanics.contact import Contact, contact, loads
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import TrackModel
-from trackctl.mechanics.quadrature import Rule, choose
-from trackctl.mechanics.shear import Stretch, TrackMotion, difficulty, stretch_force
+from trackctl.mechanics.quadrature import Rule, axis_through, choose
+from trackctl.mechanics.shear import (
+    ShearForce,
+    Singularities,
+    Stretch,
+    TrackMotion,
+    boundary_layer,
+    shear_force,
+    singularities,
+)
 
 Array = NDArray[np.float64]
 
@@ -29,6 +37,34 @@ def split(motion: TrackMotion, ground: Contact) -> tuple[float, float]:
             return rear, ground.rear_slope
         return front, ground.front_slope
     return -motion.lateral_speed / motion.curvature, -motion.lateral_speed_slope / motion.curvature
+
+
+@kernel
+def sharpness(near: Singularities, part: Stretch) -> float:
+    """Half major axis, in half stretches, of the smallest ellipse about a stretch that meets a singularity."""
+    return min(
+        axis_through(near.turning, near.turning_width, part.rear, part.front),
+        axis_through(near.returning, near.returning_width, part.rear, part.front),
+    )
+
+
+@kernel
+def track_force(motion: TrackMotion, ground: Contact, shear_modulus: float, rule: Rule) -> ShearForce:
+    """Shear force on a track, integrated over the stretches behind and ahead of where the lateral sliding vanishes."""
+    middle, middle_b = split(motion, ground)
+    near = singularities(motion, ground)
+    row_behind = row_ahead = rule.count.size
+    count = 0
+    if middle > ground.rear:
+        behind = Stretch(ground.rear, middle)
+        row_behind = choose(rule, sharpness(near, behind), boundary_layer(motion, shear_modulus, behind))
+        count += rule.count[row_behind]
+    if middle < ground.front:
+        ahead = Stretch(middle, ground.front)
+        row_ahead = choose(rule, sharpness(near, ahead), boundary_layer(motion, shear_modulus, ahead))
+        count += rule.count[row_ahead]
+    joined = rule.joined[row_behind, row_ahead]
+    return shear_force(motion, ground, shear_modulus, middle, middle_b, joined, count)
 
 
 @kernel
@@ -79,46 +115,21 @@ def balance(
             cos_beta,
             point.curvature,
         )
-        middle, middle_b = split(motion, ground)
-        f_x = -model.resistance * load
-        f_x_b = -model.resistance * load_b
-        f_y = m = f_x_V = f_y_V = m_V = f_y_b = m_b = 0.0
-        for outward in (-1.0, 1.0):
-            if outward < 0.0:
-                stretch = Stretch(middle, ground.rear, middle_b, ground.rear_slope)
-            else:
-                stretch = Stretch(middle, ground.front, middle_b, ground.front_slope)
-            if stretch.start != stretch.end:
-                axis, layer = difficulty(motion, ground, model.shear_modulus, stretch)
-                row = choose(rule, axis, layer)
-                count = rule.count[row]
-                shear = stretch_force(
-                    motion,
-                    ground,
-                    model.shear_modulus,
-                    stretch,
-                    rule.nodes[row, :count],
-                    rule.weights[row, :count],
-                )
-                f_x -= outward * shear.forward
-                f_y -= outward * shear.left
-                m -= outward * shear.moment
-                f_x_V -= outward * shear.forward_by_speed
-                f_y_V -= outward * shear.left_by_speed
-                m_V -= outward * shear.moment_by_speed
-                f_x_b -= outward * shear.forward_by_sideslip
-                f_y_b -= outward * shear.left_by_sideslip
-                m_b -= outward * shear.moment_by_sideslip
-        traction[track] = f_x + model.resistance * load
+        shear = track_force(motion, ground, model.shear_modulus, rule)
+        f_x = shear.forward - model.resistance * load
+        f_x_b = shear.forward_by_sideslip - model.resistance * load_b
+        traction[track] = shear.forward
         F_x += f_x
-        F_y += f_y
-        M += m - model.cog_forward * f_y - arm * f_x
+        F_y += shear.left
+        M += shear.moment - model.cog_forward * shear.left - arm * f_x
         F_x_b += f_x_b
-        F_y_b += f_y_b
-        M_b += m_b - model.cog_forward * f_y_b - arm * f_x_b
-        jacobian[0, track] = f_x_V
-        jacobian[1, track] = f_y_V
-        jacobian[2, track] = (m_V - model.cog_forward * f_y_V - arm * f_x_V) * length_inverse
+        F_y_b += shear.left_by_sideslip
+        M_b += shear.moment_by_sideslip - model.cog_forward * shear.left_by_sideslip - arm * f_x_b
+        jacobian[0, track] = shear.forward_by_speed
+        jacobian[1, track] = shear.left_by_speed
+        jacobian[2, track] = length_inverse * (
+            shear.moment_by_speed - model.cog_forward * shear.left_by_speed - arm * shear.forward_by_speed
+        )
     residual[0] = F_x
     residual[1] = F_y
     residual[2] = M * length_inverse

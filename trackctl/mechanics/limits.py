@@ -49,6 +49,18 @@ def missing_grip(model: TrackModel, point: OperatingPoint) -> float:
 
 
 @kernel
+def surely_admissible(model: TrackModel, slope: float, centripetal: float) -> bool:
+    """Whether `proven_infeasible` can prove nothing at any heading, by the triangle inequality."""
+    lateral, normal = math.sin(slope) + abs(centripetal), math.cos(slope)
+    transfer = model.cog_height * lateral
+    return (
+        lateral < (model.friction + model.resistance) * normal
+        and transfer < normal * (0.5 * model.gauge - abs(model.cog_left))
+        and transfer < normal * (0.5 * model.length - abs(model.cog_forward))
+    )
+
+
+@kernel
 def proven_infeasible(model: TrackModel, point: OperatingPoint) -> int:
     """The limit that every sideslip angle in the box exceeds, or `ADMISSIBLE` where none is proven."""
     if missing_grip(model, point) > 0.0:
@@ -70,8 +82,8 @@ def proven_infeasible(model: TrackModel, point: OperatingPoint) -> int:
 def exceeded_limit(model: TrackModel, point: OperatingPoint, unknowns: Array) -> int:
     """The limit that an equilibrium exceeds, or `ADMISSIBLE`.
 
-    A track must carry load, the centre of pressure must lie within the contact, and a shoe must turn by less than half a
-    turn while it is on the ground, |r| L < pi V.
+    A track must carry load, the centre of pressure must lie within the contact, and a shoe must turn by less than half
+    a turn while it is on the ground, |r| L < pi V.
     """
     weighing = loads(model, point, unknowns[2])
     if weighing.left <= 0.0 or weighing.right <= 0.0:

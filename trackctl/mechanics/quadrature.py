@@ -19,7 +19,7 @@ from trackctl.compiled import kernel
 Array = NDArray[np.float64]
 
 #: Node counts to choose from; the largest is the reference rule.
-COUNTS = (8, 12, 16, 24, 32, 48)
+COUNTS = (8, 12, 16, 20, 24, 32, 40, 48)
 #: rho^(2n) must exceed exp of this; forces then differ by less than 1e-7 of the weight from the reference rule's.
 DIGITS = 16.0
 #: A boundary layer exp(-X t) on [0, 1] needs n^2 nodes of at least this times X.
@@ -39,6 +39,10 @@ class Rule(NamedTuple):
         Least half major axis, in half stretches, of the ellipse of analyticity, shape (n_rules,).
     largest_layer
         Largest exponent of a boundary layer, shape (n_rules,).
+    joined
+        Rules for two stretches end to end, in one sequence of nodes, shape (n_rules + 1, n_rules + 1, 4, 2 largest
+        count). Entry [i, j] has rule i on the first and rule j on the second: the share of the first and of the second
+        stretch that lies before a node, and the node's weight on each. Row `n_rules` has no nodes.
     """
 
     nodes: Array
@@ -46,20 +50,35 @@ class Rule(NamedTuple):
     count: NDArray[np.int64]
     least_axis: Array
     largest_layer: Array
+    joined: Array
 
 
 def rules(counts: tuple[int, ...] = COUNTS) -> Rule:
     """Rules of ascending node counts; a single count is used everywhere."""
     nodes = np.zeros((len(counts), counts[-1]))
     weights = np.zeros_like(nodes)
-    for row, count in enumerate(counts):
-        t, w = np.polynomial.legendre.leggauss(count)
-        nodes[row, :count] = 0.5 * (t + 1.0)
-        weights[row, :count] = 0.5 * w
-    count = np.array(counts, dtype=np.int64)
+    for row, n in enumerate(counts):
+        t, w = np.polynomial.legendre.leggauss(n)
+        nodes[row, :n] = 0.5 * (t + 1.0)
+        weights[row, :n] = 0.5 * w
+    count: NDArray[np.int64] = np.array(counts, dtype=np.int64)
     rho = np.exp(DIGITS / (2.0 * count))
     least_axis = 0.5 * (rho + 1.0 / rho)
-    return Rule(nodes, weights, count, least_axis, count**2 / LAYER)
+    return Rule(nodes, weights, count, least_axis, count**2 / LAYER, joined(nodes, weights, count))
+
+
+def joined(nodes: Array, weights: Array, count: NDArray[np.int64]) -> Array:
+    """Every rule followed by every other, see `Rule`."""
+    counts = [*count, 0]
+    result = np.zeros((len(counts), len(counts), 4, 2 * nodes.shape[1]))
+    for i, n in enumerate(counts):
+        for j, m in enumerate(counts):
+            first, second = result[i, j, :, :n], result[i, j, :, n : n + m]
+            if n > 0:
+                first[0], first[2] = nodes[i, :n], weights[i, :n]
+            if m > 0:
+                second[0], second[1], second[3] = 1.0, nodes[j, :m], weights[j, :m]
+    return result
 
 
 @kernel

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from trackctl.compiled import kernel
 from trackctl.mechanics.contact import Contact
 from trackctl.mechanics.elementary_functions import LARGEST_HALF_ANGLE, cosine, decay, sinc
-from trackctl.mechanics.quadrature import axis_through
 
 Array = NDArray[np.float64]
 
@@ -47,12 +46,22 @@ class TrackMotion(NamedTuple):
 
 
 class Stretch(NamedTuple):
-    """A stretch of track from `start` to `end`, either of which may be ahead, moving with the sideslip angle. [m, m/rad]."""
+    """A stretch of track. [m]"""
 
-    start: float
-    end: float
-    start_slope: float
-    end_slope: float
+    rear: float
+    front: float
+
+
+class Singularities(NamedTuple):
+    """Where the shear force is singular along a track, at `turning +- i turning_width` and so on. [m]
+
+    The sliding direction turns at `turning`; behind it, a shoe comes back towards its point of entry at `returning`.
+    """
+
+    turning: float
+    turning_width: float
+    returning: float
+    returning_width: float
 
 
 class ShearForce(NamedTuple):
@@ -74,51 +83,55 @@ class ShearForce(NamedTuple):
 
 
 @kernel
-def difficulty(
-    motion: TrackMotion, ground: Contact, shear_modulus: float, part: Stretch
-) -> tuple[float, float]:
-    """What the shear force asks of a quadrature: its ellipse of analyticity, and its boundary layer.
+def singularities(motion: TrackMotion, ground: Contact) -> Singularities:
+    """The singularities nearest to the contact.
 
-    The sliding direction is singular at x_0 +- i s_x/r, x_0 where the lateral sliding vanishes. Behind x_0, a shoe comes
-    back towards its point of entry at x_1; to third order in the angle turned, its displacement vanishes at x_1 +- i w_1.
-    Where the stretch begins at the entry, the stress builds up as 1 - exp(-X t).
-
-    Returns
-    -------
-    tuple of float
-        Half major axis of the ellipse in half stretches [-], exponent X of the layer [-].
+    The sliding direction is singular at x_0 +- i s_x/r, x_0 where the lateral sliding vanishes. To third order in the
+    angle turned, the shear displacement vanishes at x_1 +- i w_1.
     """
     V, wx, kappa = motion.speed, motion.body_speed, motion.curvature
-    sx = wx - V
-    axis = math.inf
-    if kappa != 0.0:
-        x_0 = -motion.lateral_speed / kappa
-        axis = axis_through(x_0, abs(sx / kappa), part.start, part.end)
-        if part.end < part.start:
-            ratio = 0.5 * wx / V
-            x_1 = (x_0 - ratio * ground.front) / (1.0 - ratio)
-            turned = kappa * (ground.front - x_1) / V
-            w_1 = abs((sx + wx * turned * turned / 12.0) / (kappa * (1.0 - ratio)))
-            axis = min(axis, axis_through(x_1, w_1, part.start, part.end))
-    layer = 0.0
-    if part.start == ground.front or part.end == ground.front:
-        middle = motion.lateral_speed + kappa * 0.5 * (part.start + part.end)
-        layer = math.sqrt(sx * sx + middle * middle) * abs(part.end - part.start) / (V * shear_modulus)
-    return axis, layer
+    if kappa == 0.0:
+        return Singularities(math.inf, 0.0, math.inf, 0.0)
+    radius = 1.0 / kappa
+    x_0 = -motion.lateral_speed * radius
+    ratio = 0.5 * wx / V
+    free = 1.0 / (1.0 - ratio)
+    x_1 = (x_0 - ratio * ground.front) * free
+    turned = kappa * (ground.front - x_1) / V
+    w_1 = (wx - V + wx * turned * turned / 12.0) * radius * free
+    return Singularities(x_0, abs((wx - V) * radius), x_1, abs(w_1))
 
 
 @kernel
-def stretch_force(
-    motion: TrackMotion, ground: Contact, shear_modulus: float, part: Stretch, nodes: Array, weights: Array
+def boundary_layer(motion: TrackMotion, shear_modulus: float, part: Stretch) -> float:
+    """Exponent X of the stress that builds up as 1 - exp(-X t) along a stretch. [-]
+
+    It does so from the point of entry, which lies ahead of the stretch or at its front.
+    """
+    sx = motion.body_speed - motion.speed
+    sy = motion.lateral_speed + motion.curvature * 0.5 * (part.rear + part.front)
+    return math.sqrt(sx * sx + sy * sy) * (part.front - part.rear) / (motion.speed * shear_modulus)
+
+
+@kernel
+def shear_force(
+    motion: TrackMotion,
+    ground: Contact,
+    shear_modulus: float,
+    middle: float,
+    middle_slope: float,
+    rule: Array,
+    count: int,
 ) -> ShearForce:
-    """Shear force on one smooth stretch of track, by quadrature with nodes that move with its ends.
+    """Shear force on a track, by quadrature with nodes that move with the sideslip angle.
 
     A shoe now at x has been on the ground for tau = (x_e - x)/V and has turned by q = r tau. With S = sin(q)/r,
     C = (1 - cos q)/r and w the body's velocity there, its shear displacement is
 
         j_x = w_x S - w_y C - V tau,    j_y = w_x C + w_y S,
 
-    eqs (20)-(22) of [1]_ in the body frame. The stress is (c + mu p)(1 - exp(-j/K)), against the sliding velocity.
+    eqs (20)-(22) of [1]_ in the body frame. (S, C) is a chord D = tau sin(q/2)/(q/2) long, turned by q/2. The stress is
+    (c + mu p)(1 - exp(-j/K)), against the sliding velocity s; Q below is stress over sliding speed.
 
     Parameters
     ----------
@@ -126,15 +139,15 @@ def stretch_force(
         Of the track.
     shear_modulus
         K. [m]
-    part
-        Where to integrate.
-    nodes, weights
-        Quadrature rule on [0, 1], shape (n,).
+    middle, middle_slope
+        Where the stretch behind meets the one ahead, and its derivative by the sideslip angle. [m, m/rad]
+    rule, count
+        Entry of `Rule.joined` for the two stretches, shape (4, n), and its number of nodes.
 
     Returns
     -------
     ShearForce
-        The integrals are of the stress along the *sliding* direction: the force is their negative.
+        Of the ground on the track.
 
     References
     ----------
@@ -143,61 +156,54 @@ def stretch_force(
     V, wx, dwx, kappa = motion.speed, motion.body_speed, motion.body_speed_slope, motion.curvature
     V_inverse, K_inverse = 1.0 / V, 1.0 / shear_modulus
     sx = wx - V
-    length, dlength = part.end - part.start, part.end_slope - part.start_slope
-    F_x = F_y = M = F_x_V = F_y_V = M_V = F_x_b = F_y_b = M_b = 0.0
-    for k in range(nodes.size):
-        x = part.start + length * nodes[k]
-        dx = part.start_slope + dlength * nodes[k]
-        weight = length * weights[k]
-        dweight = dlength * weights[k]
-        # Shear displacement.
-        tau = (ground.front - x) * V_inverse
-        half = min(max(0.5 * kappa * tau, -LARGEST_HALF_ANGLE), LARGEST_HALF_ANGLE)
-        z = half * half
-        half_sinc, half_cos = sinc(z), cosine(z)
-        half_sin = half * half_sinc
-        S = tau * half_sinc * half_cos
-        C = tau * half_sinc * half_sin
-        sin_q = 2.0 * half_sin * half_cos
-        cos_q = 1.0 - 2.0 * half_sin * half_sin
-        sy = motion.lateral_speed + kappa * x
-        dsy = motion.lateral_speed_slope + kappa * dx
-        jx = wx * S - sy * C - V * tau
-        jy = wx * C + sy * S
-        j_inverse = 1.0 / math.sqrt(jx * jx + jy * jy + TINY)
-        j = (jx * jx + jy * jy) * j_inverse
-        remaining = decay(j * K_inverse)
-        # Its derivatives: through the time on the ground, and through the velocities.
-        along = (jx * (wx * cos_q - sy * sin_q) + jy * (wx * sin_q + sy * cos_q)) * j_inverse
-        dtau = (ground.front_slope - dx) * V_inverse
-        j_V = -along * tau * V_inverse
-        j_b = along * dtau + j_inverse * (
-            jx * (dwx * S - dsy * C - V * dtau) + jy * (dwx * C + dsy * S)
-        )  # fmt: skip
-        rate = remaining * K_inverse
-        # Sliding direction.
-        s_inverse = 1.0 / math.sqrt(sx * sx + sy * sy + TINY)
-        nx, ny = sx * s_inverse, sy * s_inverse
-        turn_V = -ny * s_inverse
-        turn_b = (ny * dwx - nx * dsy) * s_inverse
-        mobilised = 1.0 - remaining
-        Tx, Ty = mobilised * nx, mobilised * ny
-        Tx_V = rate * j_V * nx + mobilised * ny * turn_V
-        Ty_V = rate * j_V * ny - mobilised * nx * turn_V
-        Tx_b = rate * j_b * nx + mobilised * ny * turn_b
-        Ty_b = rate * j_b * ny - mobilised * nx * turn_b
-        # Sums.
+    # Beyond half a turn, which is outside the model, the rotation only has to stay finite.
+    most_turn = LARGEST_HALF_ANGLE * V / (ground.front - ground.rear)
+    turn = min(max(0.5 * kappa, -most_turn), most_turn)
+    Q_0 = Q_y = Q_xy = QV_0 = QV_y = QV_xy = Qb_0 = Qb_y = Qb_xy = 0.0
+    behind, dbehind = middle - ground.rear, middle_slope - ground.rear_slope
+    ahead, dahead = ground.front - middle, ground.front_slope - middle_slope
+    for k in range(count):
+        x = ground.rear + behind * rule[0, k] + ahead * rule[1, k]
+        dx = ground.rear_slope + dbehind * rule[0, k] + dahead * rule[1, k]
+        weight = behind * rule[2, k] + ahead * rule[3, k]
+        dweight = dbehind * rule[2, k] + dahead * rule[3, k]
         strength = ground.strength + ground.strength_gradient * x
         dstrength = ground.strength_slope + ground.strength_gradient_slope * x + ground.strength_gradient * dx
-        P = weight * strength
-        dP = dweight * strength + weight * dstrength
-        F_x += P * Tx
-        F_y += P * Ty
-        M += P * x * Ty
-        F_x_V += P * Tx_V
-        F_y_V += P * Ty_V
-        M_V += P * x * Ty_V
-        F_x_b += dP * Tx + P * Tx_b
-        F_y_b += dP * Ty + P * Ty_b
-        M_b += dP * x * Ty + P * (dx * Ty + x * Ty_b)
-    return ShearForce(F_x, F_y, M, F_x_V, F_y_V, M_V, F_x_b, F_y_b, M_b)
+        P, dP = weight * strength, dweight * strength + weight * dstrength
+        sy = motion.lateral_speed + kappa * x
+        dsy = motion.lateral_speed_slope + kappa * dx
+        # Shear displacement.
+        travel, dtravel = ground.front - x, ground.front_slope - dx
+        tau = travel * V_inverse
+        z = turn * turn * tau * tau
+        D, half_cos = tau * sinc(z), cosine(z)
+        half_sin = turn * D
+        wx_half, wy_half = wx * half_cos - sy * half_sin, wx * half_sin + sy * half_cos
+        jx, jy = D * wx_half - travel, D * wy_half
+        j = math.sqrt(jx * jx + TINY + jy * jy)
+        s = math.sqrt(sx * sx + TINY + sy * sy)
+        js_inverse = 1.0 / (j * s)
+        s_inverse = js_inverse * j
+        remaining = decay(j * K_inverse)
+        mobilised = (1.0 - remaining) * s_inverse
+        Q = P * mobilised
+        # Derivatives, of j through the time on the ground and through the velocities, and of s.
+        jx_half, jy_half = jx * half_cos + jy * half_sin, jy * half_cos - jx * half_sin
+        j_tau = jx_half * wx_half + jy_half * wy_half
+        j_b = D * (jx_half * dwx + jy_half * dsy) + dtravel * (j_tau * V_inverse - jx)
+        rate = P * remaining * (js_inverse * K_inverse)
+        Q_s = Q * (s_inverse * s_inverse)
+        Q_V = Q_s * sx - rate * j_tau * (tau * V_inverse)
+        Q_b = dP * mobilised + rate * j_b - Q_s * (sx * dwx + sy * dsy)
+        # Sums.
+        F_y, F_y_b = Q * sy, Q_b * sy + Q * dsy
+        Q_0 += Q
+        Q_y += F_y
+        Q_xy += x * F_y
+        QV_0 += Q_V
+        QV_y += Q_V * sy
+        QV_xy += Q_V * sy * x
+        Qb_0 += Q_b
+        Qb_y += F_y_b
+        Qb_xy += x * F_y_b + dx * F_y
+    return ShearForce(-sx * Q_0, -Q_y, -Q_xy, Q_0 - sx * QV_0, -QV_y, -QV_xy, -sx * Qb_0 - dwx * Q_0, -Qb_y, -Qb_xy)

@@ -1,7 +1,7 @@
 """Pseudo-arclength continuation: follow a root as a parameter goes from 0 to 1, through the fold where it turns back.
 
-The parts of the method, for a loop that evaluates the function itself (see `levenberg_marquardt`). A curve is a sequence
-of points (x, parameter) in n + 1 dimensions.
+The parts of the method, for a loop that evaluates the function itself (see `levenberg_marquardt`). A curve is a
+sequence of points (x, parameter) in n + 1 dimensions.
 
 References
 ----------

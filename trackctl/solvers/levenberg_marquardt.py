@@ -15,6 +15,7 @@ can be cached and the method knows nothing of the problem)::
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -51,7 +52,7 @@ def largest(values: Array) -> float:
     """Largest absolute value; NaN if any is."""
     result = 0.0
     for value in values:
-        if not abs(value) <= result:
+        if abs(value) > result or math.isnan(value):
             result = abs(value)
     return result
 

@@ -152,6 +152,26 @@ class TableSummary:
         return {f"{group}_{key}": value for group, values in named.items() for key, value in values.items()}
 
 
+def new_request(
+    vehicle: VehicleProfile,
+    terrain: TerrainProfile,
+    gravity: float,
+    slope: Array,
+    ranges: Ranges,
+    seeding: str,
+    seed: int,
+) -> TableRequest:
+    """A checked request whose divisions are still to be chosen.
+
+    Raises
+    ------
+    UsageError
+        If a slope or range is not allowed.
+    """
+    check_ranges(vehicle, slope, ranges)
+    return TableRequest(vehicle, terrain, gravity, slope, ranges, Divisions(0, 0, 0), Seeding(seeding), seed)
+
+
 def digest_of(description: dict[str, object]) -> str:
     """Digest of a request."""
     return hashlib.sha256(json.dumps(description, sort_keys=True).encode()).hexdigest()
@@ -321,7 +341,6 @@ def compute_lut(
     NoAnswerError, ToleranceError
         If no cell is feasible, or the tolerance is not met; nothing is left behind.
     """
-    check_ranges(request.vehicle, request.slope, request.ranges)
     sweep = request.sweep
     check_output(output, force)
     with checkpoint(request, output, resume, force) as journal:

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ from trackctl.workflows.lookup_method import LookupMethod
 from trackctl.workflows.operating_points import OperatingPoints
 
 Progress = Callable[[int, int], None]
-Found = Table | LutHeader
+Found = TypeVar("Found", Table, LutHeader)
 
 #: Points answered between two reports of progress.
 BATCH = 16384
@@ -85,9 +86,9 @@ def lookup(request: LookupRequest, progress: Progress = lambda done, total: None
     InputFileError
         If the points do not say which of the table's slopes they are on.
     """
-    answer, found = opened_table(request)
+    answer, axes = opened_table(request)
     velocity, curvature, heading = request.points.velocity, request.points.curvature, request.points.heading
-    points = np.stack((slopes(request, found.axes), velocity, curvature, heading))
+    points = np.stack((slopes(request, axes), velocity, curvature, heading))
     answered = []
     for start in range(0, velocity.size, BATCH):
         answered.append(answer(np.ascontiguousarray(points[:, start : start + BATCH])))
@@ -95,17 +96,22 @@ def lookup(request: LookupRequest, progress: Progress = lambda done, total: None
     return joined(answered)
 
 
-def opened_table(request: LookupRequest) -> tuple[Callable[[Array], LookupResult], Found]:
-    """What answers a batch of points, shape (4, n_points), and the table behind it."""
+def opened_table(request: LookupRequest) -> tuple[Callable[[Array], LookupResult], Axes]:
+    """What answers a batch of points, shape (4, n_points), and the axes of the table behind it."""
     if request.method is LookupMethod.EXACT:
         header = matching(request, read_lut_header(request.lut))
-        return lambda points: exact_answers(header, points, request.jobs), header
+        return lambda points: exact_answers(header, points, request.jobs), header.axes
     table = matching(request, read_lut(request.lut))
     packed, method = interpolant(table), Method(request.method.value)
-    return lambda points: look_up(packed, *points, method=method, jobs=request.jobs), table
+
+    def interpolated(points: Array) -> LookupResult:
+        slope, velocity, curvature, heading = points
+        return look_up(packed, slope, velocity, curvature, heading, method, request.jobs)
+
+    return interpolated, table.axes
 
 
-def matching[FoundT: (Table, LutHeader)](request: LookupRequest, found: FoundT) -> FoundT:
+def matching(request: LookupRequest, found: Found) -> Found:
     """The table for the vehicle asked for, or a `LutMismatchError`."""
     vehicle, terrain = request.vehicle or found.vehicle, request.terrain or found.terrain
     gravity = found.gravity if request.gravity is None else request.gravity
@@ -130,22 +136,28 @@ def slopes(request: LookupRequest, axes: Axes) -> Array:
 
 def exact_answers(header: LutHeader, points: Array, jobs: int) -> LookupResult:
     """Answers of the model itself to points in the range of a table, shape (4, n_points)."""
-    vehicle = header.vehicle
+    vehicle, model = header.vehicle, track_model(header.vehicle, header.terrain, header.gravity)
     inside = inside_table(header.axes, vehicle, points)
-    ratios = np.full((3, inside.size), np.nan)
     status = np.full(inside.size, LookupStatus.OUTSIDE_TABLE, np.uint8)
-    cells = solve_points(
-        track_model(vehicle, header.terrain, header.gravity), points[:, inside].T, jobs=jobs
+    ratios = np.full((3, inside.size), np.nan)
+    cells = solve_points(model, points[:, inside].T, jobs=jobs)
+    status[inside], ratios[:, inside] = cells["status"], cells["unknowns"].T
+    too_fast = np.abs(ratios[:2] * points[1]).max(axis=0) > vehicle.max_sprocket_rate * vehicle.sprocket_radius
+    status[too_fast], ratios[:, too_fast] = LookupStatus.ACTUATOR_LIMIT, np.nan
+
+    left, right, sideslip = ratios
+    velocity, curvature = points[1], np.where(inside, points[2], np.nan)
+    left_arm, right_arm = (side * vehicle.track_gauge - vehicle.cog_left for side in (0.5, -0.5))
+    return LookupResult(
+        track_speed_left=left * velocity,
+        track_speed_right=right * velocity,
+        sprocket_rate_left=left * velocity / vehicle.sprocket_radius,
+        sprocket_rate_right=right * velocity / vehicle.sprocket_radius,
+        sideslip=sideslip,
+        slip_left=slip(left, body_speed(1.0, curvature, sideslip, left_arm)),
+        slip_right=slip(right, body_speed(1.0, curvature, sideslip, right_arm)),
+        status=status,
     )
-    ratios[:, inside], status[inside] = cells["unknowns"].T, cells["status"]
-    rates = ratios[:2] * points[1] / vehicle.sprocket_radius
-    too_fast = np.abs(rates).max(axis=0) > vehicle.max_sprocket_rate
-    status[too_fast] = LookupStatus.ACTUATOR_LIMIT
-    ratios[:, too_fast] = rates[:, too_fast] = np.nan
-    arms = np.array([[0.5], [-0.5]]) * vehicle.track_gauge - vehicle.cog_left
-    curvature = np.where(inside, points[2], np.nan)
-    slips = slip(ratios[:2], body_speed(1.0, curvature, ratios[2], arms))
-    return LookupResult(*(ratios[:2] * points[1]), *rates, ratios[2], *slips, status=status)
 
 
 def inside_table(axes: Axes, vehicle: VehicleProfile, points: Array) -> NDArray[np.bool_]:
@@ -154,7 +166,7 @@ def inside_table(axes: Axes, vehicle: VehicleProfile, points: Array) -> NDArray[
     mirrored = bool(axes.curvature[0] >= 0.0) and vehicle.cog_left == 0.0
     places = table_points(points, mirrored, stencils[-1].lower)
     within = [(axis.lower <= x) & (x <= axis.upper) for axis, x in zip(stencils, places, strict=True)]
-    return np.logical_and.reduce(within)
+    return np.asarray(np.all(within, axis=0), np.bool_)
 
 
 def joined(parts: list[LookupResult]) -> LookupResult:

@@ -44,7 +44,7 @@ class OperatingPoints:
 def curvature_of(radius: Array) -> Array:
     """Curvature of turn radii, negative to the right; 0 for an infinite one, infinite for 0. [1/m]"""
     with np.errstate(divide="ignore", over="ignore"):
-        return np.asarray(1.0 / radius)
+        return np.asarray(1.0 / radius) + 0.0  # no negative zero
 
 
 def read_points(table: CsvTable) -> OperatingPoints:
@@ -68,9 +68,7 @@ def read_curvature(table: CsvTable) -> Array:
     """Curvature of each row, from its column or from the radius."""
     radius, curvature = find_header(table, RADIUS), find_header(table, CURVATURE)
     if radius and curvature:
-        raise InputFileError(
-            table.file, f"columns {radius} and {curvature} mean the same; allowed: one of them"
-        )
+        raise InputFileError(table.file, f"columns {radius} and {curvature} mean the same; allowed: one of them")
     if curvature:
         return column(table, CURVATURE)
     if radius:

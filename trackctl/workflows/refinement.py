@@ -27,16 +27,13 @@ LEAST_FACTOR, LARGEST_FACTOR = 1.15, 2.0
 
 def line_through(axes: Axes, axis: str, random: np.random.Generator) -> Axes:
     """One axis whole, the others at one random node (a turn, not straight driving)."""
-    kept = "curvature" if axis == "radius" else axis
-    picked = {"slope": random.choice(axes.slope, 1)}
-    if kept != "velocity":
-        picked["velocity"] = random.choice(axes.velocity, 1)
-    if kept != "curvature":
-        picked["curvature"] = random.choice(axes.curvature[axes.curvature > 0.0], 1)
-    if kept != "heading":
-        picked["heading"] = random.choice(axes.heading, 1)
-        return replace(axes, **picked, heading_is_periodic=False)
-    return replace(axes, **picked)
+    slope, velocity = random.choice(axes.slope, 1), random.choice(axes.velocity, 1)
+    curvature, heading = random.choice(axes.curvature[axes.curvature > 0.0], 1), random.choice(axes.heading, 1)
+    if axis == "velocity":
+        return Axes(slope, axes.velocity, curvature, heading, heading_is_periodic=False)
+    if axis == "radius":
+        return Axes(slope, velocity, axes.curvature, heading, heading_is_periodic=False)
+    return Axes(slope, velocity, curvature, axes.heading, axes.heading_is_periodic)
 
 
 def axis_error(request: TableRequest, axis: str, jobs: int) -> float:

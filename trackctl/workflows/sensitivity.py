@@ -96,9 +96,7 @@ def ranges_within(
 ) -> Ranges:
     """The ranges given, and for those left out the vehicle's own. [m/s], [m], [rad]"""
     given = {"velocity": velocity, "radius": radius, "heading": heading}
-    return replace(
-        default_ranges(vehicle), **{name: ends for name, ends in given.items() if ends is not None}
-    )
+    return replace(default_ranges(vehicle), **{name: ends for name, ends in given.items() if ends is not None})
 
 
 def slope_steering_sensitivity(
