@@ -19,8 +19,9 @@ from trackctl.files.atomic import whole_file
 from trackctl.lut.cells import Cells
 from trackctl.lut.sweep import Seeding, Sweep, solve_columns
 from trackctl.lut.table import Status
-from trackctl.workflows.compute_lut import TableRequest, checkpoint, summarise, write_table
+from trackctl.workflows.compute_lut import checkpoint, summarise, write_table
 from trackctl.workflows.provenance import Provenance
+from trackctl.workflows.table_request import TableRequest
 from trackctl.workflows.table_steps import ChosenSteps
 
 REPEATS = 5

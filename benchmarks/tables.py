@@ -22,9 +22,8 @@ from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import STANDARD_GRAVITY
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
-from trackctl.workflows.compute_lut import TableRequest
-from trackctl.workflows.sensitivity import SensitivityRequest, slope_steering_sensitivity
-from trackctl.workflows.table_steps import ChosenSteps, explicit_steps, steps_from_sensitivity
+from trackctl.workflows.table_request import TableRequest, new_request
+from trackctl.workflows.table_steps import ChosenSteps, explicit_steps, sensitivity_of, steps_from_sensitivity
 
 SLOPE = math.radians(12.13)
 THREADS = os.cpu_count() or 1
@@ -62,27 +61,25 @@ class SolvedTable:
 
 def benchmark_table() -> tuple[TableRequest, ChosenSteps]:
     """The table that rates are stated for, at the slope and steps of the slope-steering paper: 282,240 cells."""
-    vehicle, terrain = load_vehicle("m113"), load_terrain("hard-soil")
     ranges = Ranges(velocity=(0.5, 8.0), radius=(3.0, 50.0), heading=(0.0, FULL_CIRCLE))
+    request = undivided(load_vehicle("m113"), load_terrain("hard-soil"), ranges)
     steps = explicit_steps(ranges, velocity=0.5, radius=1.0, heading=math.radians(1.0))
-    return table_request(vehicle, terrain, steps), steps
+    return request.divided(steps.divisions), steps
 
 
 def default_table() -> tuple[TableRequest, ChosenSteps]:
     """What `trackctl compute-lut` compiles without an argument."""
-    vehicle, terrain = load_vehicle("utv-61cm"), load_terrain("asphalt")
-    ranges = default_ranges(vehicle)
-    asked = SensitivityRequest(vehicle, terrain, STANDARD_GRAVITY, SLOPE, ranges, jobs=THREADS)
-    steps = steps_from_sensitivity(vehicle, ranges, DEFAULT_BUDGET, slope_steering_sensitivity(asked))
-    return table_request(vehicle, terrain, steps), steps
+    vehicle = load_vehicle("utv-61cm")
+    request = undivided(vehicle, load_terrain("asphalt"), default_ranges(vehicle))
+    found = sensitivity_of(request, THREADS)
+    steps = steps_from_sensitivity(vehicle, request.ranges, DEFAULT_BUDGET, found)
+    return request.divided(steps.divisions), steps
 
 
-def table_request(vehicle: VehicleProfile, terrain: TerrainProfile, steps: ChosenSteps) -> TableRequest:
-    """A table of one slope."""
+def undivided(vehicle: VehicleProfile, terrain: TerrainProfile, ranges: Ranges) -> TableRequest:
+    """A table of one slope whose divisions are still to be chosen."""
     slope = np.array([SLOPE])
-    return TableRequest(
-        vehicle, terrain, STANDARD_GRAVITY, slope, steps.ranges, steps.divisions, Seeding.CONTINUATION, 0
-    )
+    return new_request(vehicle, terrain, STANDARD_GRAVITY, slope, ranges, Seeding.CONTINUATION, seed=0)
 
 
 def solve_table(request: TableRequest) -> SolvedTable:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 from trackctl.errors import UsageError
 
@@ -45,7 +46,7 @@ def list_of(text: str, option: str) -> list[float]:
         if count > MOST_SLOPES:
             raise UsageError(option, text, f"at most {MOST_SLOPES} values")
         values = [parts[0] + k * parts[2] for k in range(count)]
-    if any(second <= first for first, second in zip(values, values[1:], strict=False)):
+    if any(second <= first for first, second in pairwise(values)):
         raise UsageError(option, text, allowed)
     return values
 

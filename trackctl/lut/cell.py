@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: Largest residual of an accepted cell, in units of m g and m g L.
 TOLERANCE = 1e-10
 #: Most evaluations from a warm start.
-WARM_EVALUATIONS = 8
+WARM_EVALUATIONS = 14
 
 
 #: Quadrature of the answers, and of a swarm that only has to find the valley.

@@ -18,7 +18,8 @@ LARGEST_RADIUS_GAUGES = 60.0
 LEAST_RADIUS_HALF_GAUGES = 1.2
 #: Steepest slope that a table may hold. [rad]
 STEEPEST_SLOPE = math.radians(45.0)
-MOST_CELLS = 10**9
+#: More would take gigabytes of memory, and of disk ten times as many.
+MOST_CELLS = 10**8
 #: Shares of a step that a range may differ from a whole number of steps by.
 WHOLE = 1e-9
 
@@ -45,6 +46,11 @@ class Ranges:
     def is_full_circle(self) -> bool:
         """Whether the headings go all the way round."""
         return self.heading[1] - self.heading[0] >= FULL_CIRCLE * (1.0 - WHOLE)
+
+    @property
+    def ends_at_start(self) -> bool:
+        """Whether the last heading is 360 degrees, the same as 0."""
+        return self.heading[1] >= FULL_CIRCLE * (1.0 - WHOLE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,9 +93,9 @@ def check_ranges(vehicle: VehicleProfile, slope: Array, ranges: Ranges) -> None:
         allowed = f"MIN:MAX with {half_gauge:g} (half the gauge) < MIN <= MAX"
         raise UsageError("--radius-m", f"{low:g}:{high:g}", allowed)
     low, high = ranges.heading
-    if not 0.0 <= low <= high <= FULL_CIRCLE * (1.0 + WHOLE):
+    if not (0.0 <= low <= high <= FULL_CIRCLE * (1.0 + WHOLE) and low < FULL_CIRCLE * (1.0 - WHOLE)):
         given = f"{math.degrees(low):g}:{math.degrees(high):g}"
-        raise UsageError("--heading-deg", given, "MIN:MAX with 0 <= MIN <= MAX <= 360")
+        raise UsageError("--heading-deg", given, "MIN:MAX with 0 <= MIN < 360 and MIN <= MAX <= 360")
 
 
 def divisions_of(width: float, step: float, option: str) -> int:
@@ -121,20 +127,17 @@ def make_axes(vehicle: VehicleProfile, slope: Array, ranges: Ranges, divisions: 
     """
     cells = slope.size * cell_count(vehicle, ranges, divisions)
     if cells > MOST_CELLS:
-        raise UsageError("--steps", f"{cells:.3g} cells", f"at most {MOST_CELLS:.3g} cells")
+        raise UsageError("--steps", f"a table of {cells:.3g} cells", f"at most {MOST_CELLS:.3g} cells")
     left = 1.0 / np.linspace(*ranges.radius, nodes(ranges.radius, divisions.radius))[::-1]
     right = -left[::-1] if vehicle.cog_left != 0.0 else np.empty(0)
-    heading = np.linspace(
-        *ranges.heading, divisions.heading + 1 if ranges.heading[1] > ranges.heading[0] else 1
-    )
+    headings = heading_count(ranges, divisions.heading)
+    heading = np.linspace(*ranges.heading, nodes(ranges.heading, divisions.heading))
     return Axes(
         slope=slope,
         velocity=np.linspace(*ranges.velocity, nodes(ranges.velocity, divisions.velocity)),
         curvature=np.concatenate((right, [0.0], left)),
-        heading=heading[:-1]
-        if heading.size > 1 and ranges.heading[1] >= FULL_CIRCLE * (1.0 - WHOLE)
-        else heading,
-        heading_is_periodic=ranges.is_full_circle,
+        heading=heading[:headings],
+        heading_is_periodic=ranges.is_full_circle and headings > 1,
     )
 
 
@@ -151,8 +154,7 @@ def curvature_count(vehicle: VehicleProfile, ranges: Ranges, divisions: int) -> 
 
 def heading_count(ranges: Ranges, divisions: int) -> int:
     """Nodes of the heading axis: an end of 360 degrees is the same as 0, and dropped."""
-    ends_at_start = ranges.heading[1] >= FULL_CIRCLE * (1.0 - WHOLE) and divisions > 0
-    return nodes(ranges.heading, divisions) - int(ends_at_start)
+    return nodes(ranges.heading, divisions) - int(ranges.ends_at_start)
 
 
 def cell_count(vehicle: VehicleProfile, ranges: Ranges, divisions: Divisions) -> int:

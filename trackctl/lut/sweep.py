@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Generator, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from enum import StrEnum
@@ -75,15 +75,13 @@ def solve(sweep: Sweep, column: int) -> Cells:
         velocity, heading = np.meshgrid(axes.velocity, axes.heading, indexing="ij")
         columns = (np.full(shape, slope), velocity, np.full(shape, curvature), heading)
         points = np.stack(columns, axis=-1).reshape(-1, 4)
-        solve_batch(
-            solver(sweep.model), points, sweep.seed, column * points.shape[0], False, cells.reshape(-1)
-        )
+        solve_batch(solver(sweep.model), points, sweep.seed, column * points.shape[0], False, cells.reshape(-1))
     return cells
 
 
 def solve_columns(
     sweep: Sweep, columns: Iterable[int], executor: Executor, workers: int
-) -> Iterator[tuple[int, Cells]]:
+) -> Generator[tuple[int, Cells]]:
     """Columns as they get done, with their cells; few are under way at a time, whatever their number."""
     waiting = iter(columns)
     running: dict[Future[Cells], int] = {}
@@ -103,9 +101,7 @@ def solve_columns(
             future.cancel()
 
 
-def column_values(
-    sweep: Sweep, column: int, cells: Cells, sprocket_radius: float, weight: float
-) -> dict[str, Array]:
+def column_values(sweep: Sweep, column: int, cells: Cells, sprocket_radius: float, weight: float) -> dict[str, Array]:
     """Variables of a table for one column.
 
     Parameters
@@ -136,6 +132,3 @@ def column_values(
         values[f"slip_{side}"] = slip(unknowns[..., track], body_speed(1.0, curvature, sideslip, arm))
         values[f"traction_{side}"] = traction[..., track]
     return values
-
-
-Progress = Callable[[int, int], None]

@@ -7,7 +7,7 @@ import time
 import numpy as np
 
 from trackctl.lut.sweep import solve
-from trackctl.workflows.compute_lut import TableRequest
+from trackctl.workflows.table_request import TableRequest
 
 #: Bytes of a cell in the file: eight float64 variables and the status.
 CELL_BYTES = 65

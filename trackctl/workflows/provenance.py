@@ -7,7 +7,6 @@ import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from pathlib import Path
 
 from trackctl import __version__
 from trackctl.errors import UsageError
@@ -21,15 +20,24 @@ class Provenance:
     history: str
 
 
-def provenance(command: Sequence[str]) -> Provenance:
-    """Now, or ``SOURCE_DATE_EPOCH``, and the command line without the program's folder."""
+def provenance(words: Sequence[str]) -> Provenance:
+    """Now, or ``SOURCE_DATE_EPOCH``, and the command line of these words after ``trackctl``.
+
+    Raises
+    ------
+    UsageError
+        If ``SOURCE_DATE_EPOCH`` is no time.
+    """
+    created = moment().isoformat(timespec="seconds")
+    return Provenance(created, f"{created} trackctl {__version__}: {shlex.join(['trackctl', *words])}")
+
+
+def moment() -> datetime:
+    """Now, or ``SOURCE_DATE_EPOCH``."""
     epoch = os.environ.get("SOURCE_DATE_EPOCH")
-    if epoch is None:
-        moment = datetime.now(UTC)
-    elif epoch.isdecimal():
-        moment = datetime.fromtimestamp(int(epoch), UTC)
-    else:
-        raise UsageError("SOURCE_DATE_EPOCH", epoch, "whole seconds since 1970")
-    created = moment.isoformat(timespec="seconds")
-    words = shlex.join([Path(command[0]).name, *command[1:]])
-    return Provenance(created, f"{created} trackctl {__version__}: {words}")
+    if not epoch:
+        return datetime.now(UTC)
+    try:
+        return datetime.fromtimestamp(int(epoch), UTC)
+    except (ValueError, OverflowError, OSError):
+        raise UsageError("SOURCE_DATE_EPOCH", epoch, "whole seconds since 1970") from None

@@ -7,9 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from trackctl.errors import NoAnswerError, UsageError
 from trackctl.lut.grid import (
+    MOST_CELLS,
     Divisions,
     Ranges,
+    cell_count,
     curvature_count,
     divisions_of,
     heading_count,
@@ -17,7 +20,8 @@ from trackctl.lut.grid import (
 )
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.sensitivity.steps import axis_indices, divisions_from_indices
-from trackctl.workflows.sensitivity import SensitivityResult
+from trackctl.workflows.sensitivity import SensitivityRequest, SensitivityResult, slope_steering_sensitivity
+from trackctl.workflows.table_request import TableRequest
 
 AXES = ("velocity", "radius", "heading")
 #: Least divisions, whatever the indices say: influence is not interpolation error.
@@ -68,9 +72,49 @@ def explicit_steps(ranges: Ranges, velocity: float, radius: float, heading: floa
 
 def least_divisions(ranges: Ranges) -> tuple[int, ...]:
     """Least divisions of each axis; none where a range is a single value."""
-    return tuple(
-        getattr(LEAST, axis) if getattr(ranges, axis)[1] > getattr(ranges, axis)[0] else 0 for axis in AXES
-    )
+    return tuple(getattr(LEAST, axis) if getattr(ranges, axis)[1] > getattr(ranges, axis)[0] else 0 for axis in AXES)
+
+
+def sensitivity_of(request: TableRequest, jobs: int) -> SensitivityResult:
+    """Analysis at the steepest slope of a table where enough operating points are feasible.
+
+    Raises
+    ------
+    NoAnswerError
+        If there is none.
+    """
+    for slope in request.slope[::-1]:
+        asked = SensitivityRequest(
+            request.vehicle,
+            request.terrain,
+            request.gravity,
+            float(slope),
+            request.ranges,
+            seed=request.seed,
+            jobs=jobs,
+        )
+        try:
+            return slope_steering_sensitivity(asked)
+        except (NoAnswerError, UsageError) as error:
+            reason = error
+    raise NoAnswerError(f"too few operating points are feasible to draw the steps from ({reason}); name --steps")
+
+
+def cells_per_slope(vehicle: VehicleProfile, ranges: Ranges, budget: int, slopes: int) -> int:
+    """A budget of cells shared among slopes.
+
+    Raises
+    ------
+    UsageError
+        If the budget is too large for any table, or too small for the least one.
+    """
+    if budget > MOST_CELLS:
+        raise UsageError("--budget", budget, f"at most {MOST_CELLS}")
+    least = cell_count(vehicle, ranges, Divisions(*least_divisions(ranges)))
+    if budget < least * slopes:
+        shared = f": {least} for each of {slopes} slopes" if slopes > 1 else ""
+        raise UsageError("--budget", budget, f"at least {least * slopes} cells{shared}")
+    return budget // slopes
 
 
 def steps_from_sensitivity(
