@@ -59,6 +59,11 @@ def by_oracle(table: SolvedTable, points: Array, unknowns: Array) -> tuple[Array
     return np.concatenate([end for end, _ in ends]), np.concatenate([norm for _, norm in ends])
 
 
+def oracle_roots(table: SolvedTable, point: Array) -> list[tuple[float, float, float]]:
+    """The oracle's track speeds [m/s] and sideslip [rad] at a cell, the answer first."""
+    return oracle.roots(oracle_point(table, point))
+
+
 def oracle_point(table: SolvedTable, point: Array) -> oracle.OraclePoint:
     """A cell as the oracle's operating point."""
     vehicle, terrain = table.request.vehicle, table.request.terrain

@@ -15,7 +15,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 import numpy as np
-from accuracy import oracle, oracle_point
+from accuracy import oracle_roots
 from scipy.optimize import least_squares, root
 from tables import SolvedTable, benchmark_table, points_of, print_machine, solve_table
 
@@ -114,8 +114,10 @@ def quiet_pyswarms() -> Iterator[None]:
         settings = Path(folder) / "logging.yaml"
         settings.write_text("version: 1\n")
         os.environ["LOG_CFG"] = str(settings)
-        yield
-        del os.environ["LOG_CFG"]
+        try:
+            yield
+        finally:
+            del os.environ["LOG_CFG"]
 
 
 def by_trackctl(model: TrackModel, points: Array) -> Array:
@@ -125,7 +127,7 @@ def by_trackctl(model: TrackModel, points: Array) -> Array:
 
 def true_answers(table: SolvedTable, points: Array) -> Array:
     """The oracle's root of least sideslip, NaN where it finds none."""
-    found = [oracle.roots(oracle_point(table, point)) for point in points]
+    found = [oracle_roots(table, point) for point in points]
     ratios = [np.array(roots[0]) if roots else np.full(3, np.nan) for roots in found]
     return np.stack(ratios) / np.column_stack((points[:, 1], points[:, 1], np.ones(len(points))))
 

@@ -24,7 +24,9 @@ Array = NDArray[np.float64]
 #: Largest residual of an accepted cell, in units of m g and m g L.
 TOLERANCE = 1e-10
 #: Most evaluations from a warm start.
-WARM_EVALUATIONS = 14
+WARM_EVALUATIONS = 8
+#: Most evaluations from a start that owes nothing to a neighbour.
+COLD_EVALUATIONS = 40
 
 
 #: Quadrature of the answers, and of a swarm that only has to find the valley.
@@ -161,4 +163,11 @@ def is_answer(solver: Solver, x: Array) -> bool:
 def solve_warm(solver: Solver, point: OperatingPoint, x: Array) -> bool:
     """Solve from a start near the root; True if the root found is the answer."""
     solved, _ = solve_from(solver, point, x, TOLERANCE, WARM_EVALUATIONS)
+    return solved and is_answer(solver, x)
+
+
+@kernel
+def solve_cold(solver: Solver, point: OperatingPoint, x: Array) -> bool:
+    """Solve from a start that may be far from the root; True if the root found is the answer."""
+    solved, _ = solve_from(solver, point, x, TOLERANCE, COLD_EVALUATIONS)
     return solved and is_answer(solver, x)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import REACHED, Way, follow
-from trackctl.lut.cell import Solver, model_of, residual_at, solve_warm, solver
+from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solve_warm, solver
 from trackctl.lut.cells import Cells, pending_cells
 from trackctl.lut.swarm_search import no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
@@ -54,14 +54,14 @@ def solve_point(
     proven = proven_infeasible(model, point)
     if proven != ADMISSIBLE:
         return proven, residual_at(solver, point, x)
-    if try_no_slip and solve_warm(solver, point, x):
+    if try_no_slip and solve_cold(solver, point, x):
         return exceeded_limit(model, point, x), largest(solver.work.residual)
     found, least = search(solver, point, draws, x)
     if found:
         return exceeded_limit(model, point, x), least
     standing = operating_point(model, slope, 0.0, curvature, heading)
     no_slip(model, curvature, x)
-    if solve_warm(solver, standing, x) or search(solver, standing, draws, x)[0]:
+    if solve_cold(solver, standing, x) or search(solver, standing, draws, x)[0]:
         end = follow(solver, Way(slope, curvature, 0.0, velocity, heading, heading), x)
         if end == REACHED and solve_warm(solver, point, x):
             return exceeded_limit(model, point, x), largest(solver.work.residual)
