@@ -33,9 +33,7 @@ ROUNDS = 3
 PADDING = 12
 
 
-def closed_form(
-    slope: Array, velocity: Array, curvature: Array, heading: Array
-) -> tuple[Array, Array, Array]:
+def closed_form(slope: Array, velocity: Array, curvature: Array, heading: Array) -> tuple[Array, Array, Array]:
     """What a table looks like: a rounded bend at straight driving, growth towards the grip limit."""
     up, across = np.sin(slope) * np.cos(heading), np.sin(slope) * np.sin(heading)
     bend = np.hypot(curvature, 0.03)
@@ -81,9 +79,7 @@ def synthetic_table(truth: Truth) -> Table:
         heading=np.arange(360.0) * (FULL_CIRCLE / 360),
         heading_is_periodic=True,
     )
-    left, right, sideslip = truth(
-        *np.meshgrid(axes.slope, axes.velocity, axes.curvature, axes.heading, indexing="ij")
-    )
+    left, right, sideslip = truth(*np.meshgrid(axes.slope, axes.velocity, axes.curvature, axes.heading, indexing="ij"))
     rate = axes.velocity[:, None, None] / vehicle.sprocket_radius
     values = {"sprocket_rate_left": left * rate, "sprocket_rate_right": right * rate, "sideslip": sideslip}
     return Table(axes, values, np.zeros(axes.shape, np.uint8), vehicle, terrain, 9.80665)
@@ -182,9 +178,7 @@ def compare(table: Table, truth: Truth) -> None:
     times = nanoseconds(answerers, {name: many if name in ours else few for name in answerers})
     reference = times[f"{Method.MLS}, 1 thread"]
     print(f"table {table.axes.shape}, {QUERIES} random queries (scipy {SPLINE_QUERIES}), best of {ROUNDS}")
-    print(
-        "error of track speeds over speed and of sideslip [rad], at radii of the table and beyond the largest"
-    )
+    print("error of track speeds over speed and of sideslip [rad], at radii of the table and beyond the largest")
     print(f"{'':38}{'ns/query':>10}{'ratio':>8}{'arcs: max':>12}{'RMS':>9}{'straight: max':>16}{'RMS':>9}")
     arc = few[2] > table.axes.curvature[1]
     for name, error in errors.items():

@@ -87,9 +87,7 @@ def seconds(call: Callable[[], object], repeats: int = 5) -> float:
 def compare_values() -> None:
     """Mean and scatter over the seeds of both, and how they differ on one and the same sample."""
     print(f"PAWN index, {VALUE_ROWS} rows, {SLICES} slices, {SEEDS} seeds: mean +- scatter over the seeds")
-    print(
-        "off: difference of the means in units of the scatter; largest: difference on one and the same sample"
-    )
+    print("off: difference of the means in units of the scatter; largest: difference on one and the same sample")
     print(f"{'function':9} {'input':5} {'stat.':6} {'trackctl':>18} {'SALib':>18} {'off':>6} {'largest':>8}")
     for name in FUNCTIONS:
         samples = [sample(name, VALUE_ROWS, seed) for seed in range(SEEDS)]

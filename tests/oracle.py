@@ -241,9 +241,7 @@ def gauss_rule(nodes: int) -> tuple[Floats, Floats]:
     return (abscissae + 1) / 2, weights / 2
 
 
-def balance(
-    point: OraclePoint, speed_left: float, speed_right: float, sideslip: float, nodes: int = NODES
-) -> Floats:
+def balance(point: OraclePoint, speed_left: float, speed_right: float, sideslip: float, nodes: int = NODES) -> Floats:
     """Three residuals of the equilibrium, over (m g, m g, m g L); NaN at lift-off and pitch-over."""
     speeds = float(speed_left), float(speed_right)
     return np.asarray(residuals(point.symbols, *speeds, float(sideslip), *gauss_rule(nodes)))
@@ -315,9 +313,7 @@ def descend(p: Symbols, u: Floats, goal: float, nodes: Floats, weights: Floats) 
 
 
 @_kernel
-def descend_all(
-    p: Symbols, starts: Floats, goal: float, nodes: Floats, weights: Floats
-) -> tuple[Floats, Floats]:
+def descend_all(p: Symbols, starts: Floats, goal: float, nodes: Floats, weights: Floats) -> tuple[Floats, Floats]:
     """``descend`` from every row of starts."""
     ends = np.empty_like(starts)
     norms = np.empty(len(starts))
@@ -344,9 +340,7 @@ def default_starts(point: OraclePoint, number: int) -> Floats:
     return np.asarray(np.clip(np.vstack((everywhere, about)), LOWER, UPPER))
 
 
-def search(
-    point: OraclePoint, starts: int | Floats, goal: float, nodes: int = SEARCH_NODES
-) -> tuple[Floats, Floats]:
+def search(point: OraclePoint, starts: int | Floats, goal: float, nodes: int = SEARCH_NODES) -> tuple[Floats, Floats]:
     """Ends ``(V_l/v, V_r/v, beta)`` and residual norms of descents from every start."""
     first = default_starts(point, starts) if isinstance(starts, int) else np.asarray(starts, dtype=float)
     return descend_all(point.symbols, first, goal, *gauss_rule(nodes))

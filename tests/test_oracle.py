@@ -101,9 +101,7 @@ def states(point: OraclePoint, number: int = 4) -> list[Triple]:
     rolling = point.velocity * np.maximum(1 + point.curvature * half_gauge * np.array([-1, 1]), 0.3)
     speeds = rolling * generator.uniform(0.8, 1.3, (number, 2))
     sideslips = generator.uniform(-0.3, 0.3, number)
-    return [
-        (left, right, beta) for (left, right), beta in zip(speeds.tolist(), sideslips.tolist(), strict=True)
-    ]
+    return [(left, right, beta) for (left, right), beta in zip(speeds.tolist(), sideslips.tolist(), strict=True)]
 
 
 def tracks(point: OraclePoint, state: Triple) -> list[tuple[float, float, float]]:
@@ -126,10 +124,7 @@ def adaptive_resultant(point: OraclePoint, state: Triple, load: float, speed: fl
 
     scale = point.mass * point.gravity / point.width
     parts = [
-        [
-            quad(stress, start, end, args=(k,), epsabs=1e-12 * scale, epsrel=1e-11, limit=500)[0]
-            for k in range(3)
-        ]
+        [quad(stress, start, end, args=(k,), epsabs=1e-12 * scale, epsrel=1e-11, limit=500)[0] for k in range(3)]
         for start, end in pairwise(ends)
     ]
     return np.asarray(point.width * np.array(parts).sum(axis=0))
@@ -183,9 +178,7 @@ def test_quadrature_equals_adaptive_quadrature(point: OraclePoint) -> None:
 def test_quadrature_converges(point: OraclePoint) -> None:
     # Six digits for half the nodes: the sharpest turn of the stress is the worst.
     for state in states(point):
-        np.testing.assert_allclose(
-            balance(point, *state, nodes=48), balance(point, *state), rtol=0, atol=1e-6
-        )
+        np.testing.assert_allclose(balance(point, *state, nodes=48), balance(point, *state), rtol=0, atol=1e-6)
 
 
 def test_balance_is_newtons_law_for_the_track_forces(point: OraclePoint) -> None:

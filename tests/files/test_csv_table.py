@@ -162,9 +162,7 @@ def test_what_is_no_number(table_of, cell):
     table = table_of(f"x_m,y_m\n1,2\n,3\n{cell},4\n5,6\n")
     with pytest.raises(InputFileError) as error:
         column(table, "x_m", may_be_empty=True)
-    assert f"line 4: column x_m: {cell.strip(chr(34))!r} is not allowed; allowed: a number" in str(
-        error.value
-    )
+    assert f"line 4: column x_m: {cell.strip(chr(34))!r} is not allowed; allowed: a number" in str(error.value)
 
 
 def test_a_missing_column(table_of):

@@ -131,9 +131,7 @@ def test_another_request_is_refused(path, content):
     assert path.read_bytes() == content
 
 
-@pytest.mark.parametrize(
-    "foreign", [b"a,b\n1,2\n", b"{}\n", b"[1]\n", b"\0\n", b"\n", b"[" * 100_000, b"no end"]
-)
+@pytest.mark.parametrize("foreign", [b"a,b\n1,2\n", b"{}\n", b"[1]\n", b"\0\n", b"\n", b"[" * 100_000, b"no end"])
 def test_another_file_is_refused(path, foreign):
     path.write_bytes(foreign)
     with pytest.raises(InputFileError, match="no checkpoint"):

@@ -210,9 +210,7 @@ def test_a_converged_cell_without_a_number(path, name, value):
 def test_a_number_in_a_cell_without_an_answer(path):
     with h5py.File(path, "a") as file:
         file["sideslip"][0, 0, 0, 1] = 0.0
-    assert_refused(
-        path, r"sideslip: a number in a cell without answer, at indices \(0, 0, 0, 1\)", [read_lut]
-    )
+    assert_refused(path, r"sideslip: a number in a cell without answer, at indices \(0, 0, 0, 1\)", [read_lut])
 
 
 def test_a_residual_may_be_anywhere(path):

@@ -152,9 +152,7 @@ def test_attributes_in_netcdf_types(tmp_path, table):
 
 def test_dimensions_are_numbered_as_in_netcdf(path):
     with h5py.File(path) as file:
-        numbers = [
-            file[name].attrs["_Netcdf4Dimid"] for name in ("slope", "velocity", "curvature", "heading")
-        ]
+        numbers = [file[name].attrs["_Netcdf4Dimid"] for name in ("slope", "velocity", "curvature", "heading")]
         assert numbers == [0, 1, 2, 3]
         assert file["sideslip"].dims[3][0] == file["heading"]
 

@@ -67,15 +67,11 @@ def axes(
     )
 
 
-def closed_form(
-    slope: Array, velocity: Array, curvature: Array, heading: Array
-) -> tuple[Array, Array, Array]:
+def closed_form(slope: Array, velocity: Array, curvature: Array, heading: Array) -> tuple[Array, Array, Array]:
     """Track speeds over speed and sideslip, smooth, mirrored when curvature and heading change sign."""
     up, across = np.sin(slope) * np.cos(heading), np.sin(slope) * np.sin(heading)
     left, right = (
-        1.0
-        + 0.3 * up * (1.0 + 0.05 * velocity)
-        - side * (0.95 * curvature * (1.0 + 0.01 * velocity) - 0.1 * across)
+        1.0 + 0.3 * up * (1.0 + 0.05 * velocity) - side * (0.95 * curvature * (1.0 + 0.01 * velocity) - 0.1 * across)
         for side in (1.0, -1.0)
     )
     return left, right, 0.3 * across * (1.0 + curvature**2) + 0.4 * curvature * (1.0 + 0.02 * velocity * up)
@@ -133,15 +129,8 @@ def test_nodes_are_met(method: Method) -> None:
 
 @pytest.mark.parametrize(("method", "degree"), [(Method.LINEAR, 1), (Method.MLS, 2), (Method.CUBIC, 2)])
 def test_products_of_polynomials_are_reproduced(method: Method, degree: int) -> None:
-    def product_of_polynomials(
-        slope: Array, velocity: Array, curvature: Array, heading: Array
-    ) -> tuple[Array, ...]:
-        form = (
-            (1 + slope**degree)
-            * (1 - (velocity / 8) ** degree)
-            * (1 + curvature**degree)
-            * (heading**degree - 5)
-        )
+    def product_of_polynomials(slope: Array, velocity: Array, curvature: Array, heading: Array) -> tuple[Array, ...]:
+        form = (1 + slope**degree) * (1 - (velocity / 8) ** degree) * (1 + curvature**degree) * (heading**degree - 5)
         return form, 2.0 - form, 0.1 * form
 
     range_axes = axes(slope=(0.0, 0.05, 0.2, 0.3), curvature=BOTH_TURNS, heading=np.linspace(0.4, 2.0, 9))
@@ -212,9 +201,7 @@ def test_headings_are_periodic(method: Method) -> None:
     expected = look_up(packed, *points, method)
     for turns in (-2, 1):
         found = look_up(packed, *points[:3], points[3] + turns * FULL_CIRCLE, method)
-        np.testing.assert_allclose(
-            found.sideslip, expected.sideslip, rtol=0, atol=1e-14
-        )  # 4 pi rounds by 1e-15
+        np.testing.assert_allclose(found.sideslip, expected.sideslip, rtol=0, atol=1e-14)  # 4 pi rounds by 1e-15
     seam = look_up(packed, 0.2, 2.0, 0.1, [FULL_CIRCLE - 1e-6, 1e-6, -1e-17], method)
     assert not seam.status.any()
     assert np.ptp(seam.sideslip) < 1e-6  # slope below 0.1 rad/rad
@@ -223,9 +210,7 @@ def test_headings_are_periodic(method: Method) -> None:
 @methods
 def test_a_range_of_headings_ends_there(method: Method) -> None:
     packed = interpolant(table_of(axes(heading=np.linspace(0.0, 1.5, 16))))
-    found = look_up(
-        packed, 0.2, 2.0, 0.1, [0.0, 0.77, 1.5, 0.77 - FULL_CIRCLE, -1e-17, -0.01, 1.51, 4.0], method
-    )
+    found = look_up(packed, 0.2, 2.0, 0.1, [0.0, 0.77, 1.5, 0.77 - FULL_CIRCLE, -1e-17, -0.01, 1.51, 4.0], method)
     assert found.status.tolist() == [0] * 5 + [LookupStatus.OUTSIDE_TABLE] * 3
     assert found.sideslip[1] == pytest.approx(found.sideslip[3], abs=1e-14)
     mirrored = look_up(packed, 0.2, 2.0, -0.1, [-0.77, 0.77], method)
@@ -289,9 +274,7 @@ def test_order_of_convergence_on_all_axes(method: Method, order: float) -> None:
     assert -np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(order, abs=0.15)
 
 
-def stencil(
-    nodes: Array, x: float, method: Method, period: float | None = None
-) -> tuple[list[int], list[int]]:
+def stencil(nodes: Array, x: float, method: Method, period: float | None = None) -> tuple[list[int], list[int]]:
     """Corners and stencil of the cell about a point between nodes: a second, slow way to find them."""
     count = nodes.size
     if count == 1:
@@ -381,9 +364,7 @@ def test_actuator_limits_come_last() -> None:
     status = np.zeros(table.axes.shape, np.uint8)
     status[:, 14:] = Status.INFEASIBLE_GRIP
     packed = interpolant(with_status(table, status, np.nan))
-    found = look_up(
-        packed, [0.2, 0.2, 0.2, 0.2, 0.3], [3.0, 6.0, 7.1, 7.6, 6.0], [0.05, 0.05, 0.05, 0.05, 0.05], 1.0
-    )
+    found = look_up(packed, [0.2, 0.2, 0.2, 0.2, 0.3], [3.0, 6.0, 7.1, 7.6, 6.0], [0.05, 0.05, 0.05, 0.05, 0.05], 1.0)
     limit, near, outside = (
         LookupStatus.ACTUATOR_LIMIT,
         LookupStatus.NEAR_INFEASIBLE,
@@ -430,9 +411,7 @@ def test_errors_on_a_table_of_usual_size() -> None:
     table = table_of(axes(headings=360))
     points = random_points(table.axes, 5000)
     truth = np.stack(closed_form(*points))
-    errors = {
-        m: np.abs(ratios(look_up(interpolant(table), *points, m), points[1]) - truth).max() for m in Method
-    }
+    errors = {m: np.abs(ratios(look_up(interpolant(table), *points, m), points[1]) - truth).max() for m in Method}
     # Twice the error terms: linear h^2/8 of 0.12 in the widest curvature cell; MLS h^3/15 and cubic 3 h^4/128
     # of 0.08 along heading.
     assert errors[Method.LINEAR] < 2.1e-4

@@ -26,9 +26,7 @@ DEGREES = {Method.LINEAR: 1, Method.MLS: 2, Method.CUBIC: 3}
 ROUNDING = 1e-13
 
 
-def weights_at(
-    axis: Stencils, method: Method, points: Array
-) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+def weights_at(axis: Stencils, method: Method, points: Array) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
     """Weights, node numbers and the inside flag of each point."""
     weights = np.zeros((points.size, 4))
     numbers = np.zeros((points.size, 4), np.uint64)
@@ -97,9 +95,7 @@ def test_polynomials_are_reproduced(name: str, method: Method) -> None:
     # Where a neighbour is missing, cubic is the parabola through three nodes.
     at_ends = np.repeat(axis.extent != 0, 7)
     for degree in range(DEGREES[method] + 1):
-        error = np.abs(
-            interpolated(axis, method, points, (nodes / scale) ** degree) - (points / scale) ** degree
-        )
+        error = np.abs(interpolated(axis, method, points, (nodes / scale) ** degree) - (points / scale) ** degree)
         assert error[~at_ends if degree == 3 else slice(None)].max(initial=0.0) < ROUNDING
 
 
@@ -136,12 +132,8 @@ def test_moving_least_squares_has_a_continuous_slope(name: str) -> None:
     values = np.cos(np.arange(axis.offset.max() + 1.0))
     width = axis.nodes[:, 2] - axis.nodes[:, 1]
     step = 1e-5
-    after = (
-        interpolated(axis, Method.MLS, axis.nodes[:, 1] + step * width, values) - values[axis.offset[:, 1]]
-    )
-    before = values[axis.offset[:, 2]] - interpolated(
-        axis, Method.MLS, axis.nodes[:, 2] - step * width, values
-    )
+    after = interpolated(axis, Method.MLS, axis.nodes[:, 1] + step * width, values) - values[axis.offset[:, 1]]
+    before = values[axis.offset[:, 2]] - interpolated(axis, Method.MLS, axis.nodes[:, 2] - step * width, values)
     slope_after, slope_before = after / (step * width), before / (step * width)
     jump = np.abs(slope_after[1:] - slope_before[:-1]) * np.minimum(width[1:], width[:-1])
     # Differences over 1e-5 of a cell see second derivatives of order 1 in cells; ten times that.
@@ -207,9 +199,7 @@ def test_two_nodes_are_linear(method: Method) -> None:
 
 @methods
 def test_one_node_is_met_or_missed(method: Method) -> None:
-    points = np.array(
-        [0.2, 0.2 * (1.0 + 0.9 * SNAP), 0.2 * (1.0 + 1.1 * SNAP), 0.2 * (1.0 - 1.1 * SNAP), 0.0]
-    )
+    points = np.array([0.2, 0.2 * (1.0 + 0.9 * SNAP), 0.2 * (1.0 + 1.1 * SNAP), 0.2 * (1.0 - 1.1 * SNAP), 0.0])
     weights, numbers, inside = weights_at(AXES["one"], method, points)
     assert inside.tolist() == [True, True, False, False, False]
     assert weights[:2].sum(axis=1).tolist() == [1.0, 1.0]
@@ -227,9 +217,7 @@ def test_points_beyond_the_ends_and_nan_are_outside() -> None:
     assert inside.tolist() == [False, True, True, False, False, False, False, False]
 
 
-@pytest.mark.parametrize(
-    "smallest", [1e-2, 1e-7], ids=["buckets as fine as cells", "buckets coarser than cells"]
-)
+@pytest.mark.parametrize("smallest", [1e-2, 1e-7], ids=["buckets as fine as cells", "buckets coarser than cells"])
 def test_cells_are_found_on_irregular_axes(smallest: float) -> None:
     generator = np.random.default_rng(3)
     nodes = np.cumsum(np.geomspace(smallest, 1.0, 40)[generator.permutation(40)])

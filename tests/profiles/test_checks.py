@@ -18,9 +18,7 @@ def test_ends_of_a_range_are_in_it(value):
     assert CLOSED.allows(value)
 
 
-@pytest.mark.parametrize(
-    "value", [-1e-300, 2.0000001, math.nan, math.inf, -math.inf, 10**400, True, "1", None, [1.0]]
-)
+@pytest.mark.parametrize("value", [-1e-300, 2.0000001, math.nan, math.inf, -math.inf, 10**400, True, "1", None, [1.0]])
 def test_what_is_no_number_in_the_range_is_refused(value):
     assert not CLOSED.allows(value)
 

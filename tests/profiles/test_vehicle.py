@@ -36,9 +36,7 @@ def test_values_are_floats_and_the_rest_has_defaults():
 
 def test_every_number_has_a_range():
     texts_and_outline = {"name", "description", "source", "footprint"}
-    fields = [
-        field.name for field in dataclasses.fields(VehicleProfile) if field.name not in texts_and_outline
-    ]
+    fields = [field.name for field in dataclasses.fields(VehicleProfile) if field.name not in texts_and_outline]
     assert [quantity.name for quantity in VEHICLE_QUANTITIES] == fields
 
 

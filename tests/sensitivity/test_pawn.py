@@ -14,9 +14,7 @@ MEDIAN, MAX = Statistic
 def analyse(inputs, *outputs, **settings):
     x_names = [f"x{i + 1}" for i in range(inputs.shape[1])]
     y_names = [f"y{i + 1}" for i in range(len(outputs))]
-    return pawn_indices(
-        inputs, np.column_stack(outputs), x_names, y_names, **{"resamples": 50, "seed": 0} | settings
-    )
+    return pawn_indices(inputs, np.column_stack(outputs), x_names, y_names, **{"resamples": 50, "seed": 0} | settings)
 
 
 def unit_points(rows, columns, seed=0):

@@ -12,9 +12,7 @@ def test_a_resample_is_the_drawn_rows_in_the_slices_of_the_whole_sample():
     inputs = np.random.default_rng(0).random((200, 3))
     outputs = np.stack([ishigami(inputs), np.round(inputs[:, 1], 1)])
     labels = slice_labels(inputs, SLICES)
-    found = bootstrap_distances(
-        labels, tuple(map(SortedOutput.of, outputs)), SLICES, 3, np.random.default_rng(7)
-    )
+    found = bootstrap_distances(labels, tuple(map(SortedOutput.of, outputs)), SLICES, 3, np.random.default_rng(7))
     draws = np.random.default_rng(7)
     for resample in found:
         rows = draws.integers(200, size=200)
@@ -32,10 +30,7 @@ def test_dummies_behave_like_an_input_that_has_nothing_to_do_with_the_output():
     labels = slice_labels(generator.random((150, 1)), SLICES)
     dummies = dummy_distances(labels, output, SLICES, 2000, generator).mean(axis=-1).ravel()
     independent = np.array(
-        [
-            sample_distances(slice_labels(generator.random((150, 1)), SLICES), output, SLICES).mean()
-            for _ in range(2000)
-        ]
+        [sample_distances(slice_labels(generator.random((150, 1)), SLICES), output, SLICES).mean() for _ in range(2000)]
     )
     standard_error = np.hypot(dummies.std(), independent.std()) / np.sqrt(2000)
     assert abs(dummies.mean() - independent.mean()) < 4.0 * standard_error

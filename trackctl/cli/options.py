@@ -69,9 +69,7 @@ Terrain = Annotated[
 ]
 Gravity = Annotated[
     float,
-    typer.Option(
-        "--gravity-mps2", metavar="FLOAT", help="Gravity, above 0, up to 100.", callback=_checked_gravity
-    ),
+    typer.Option("--gravity-mps2", metavar="FLOAT", help="Gravity, above 0, up to 100.", callback=_checked_gravity),
 ]
 Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, help="Seed of all random numbers.")]
 Jobs = Annotated[

@@ -26,9 +26,7 @@ def list_(as_json: options.Json = False) -> None:
     listed = {kind.folder: list_profiles(kind) for kind in ProfileKind}
     if as_json:
         rows = {
-            folder: [
-                {"name": row.name, "path": str(row.path), "description": row.description} for row in profiles
-            ]
+            folder: [{"name": row.name, "path": str(row.path), "description": row.description} for row in profiles]
             for folder, profiles in listed.items()
         }
         typer.echo(json.dumps(rows))
@@ -61,9 +59,7 @@ def show(
 def check(
     profiles: Annotated[
         list[str],
-        typer.Argument(
-            metavar="NAME|FILE...", autocompletion=options.complete_profile, help="- reads stdin."
-        ),
+        typer.Argument(metavar="NAME|FILE...", autocompletion=options.complete_profile, help="- reads stdin."),
     ],
 ) -> None:
     """Check that files are vehicle or terrain profiles.

@@ -130,9 +130,7 @@ def find_header(table: CsvTable, key: str) -> str | None:
     name = key.rpartition("_")[0] if len(accepted) > 1 else ""
     for header in table.columns:
         if name and name in (header, header.rpartition("_")[0]):
-            raise InputFileError(
-                table.file, f"column {header!r} has no unit of {name}; allowed: {', '.join(accepted)}"
-            )
+            raise InputFileError(table.file, f"column {header!r} has no unit of {name}; allowed: {', '.join(accepted)}")
     return None
 
 

@@ -174,9 +174,7 @@ def find_dataset(path: Path, file: h5py.File, name: str, dtype: str) -> h5py.Dat
     return dataset
 
 
-def take_provenance(
-    path: Path, attributes: dict[str, object]
-) -> tuple[VehicleProfile, TerrainProfile, float]:
+def take_provenance(path: Path, attributes: dict[str, object]) -> tuple[VehicleProfile, TerrainProfile, float]:
     """Vehicle, terrain and gravity, removed from the root attributes together with the format's marks."""
     del attributes["filetype"], attributes["version"]
     vehicle = parsed_profile(path, layout.VEHICLE_PROFILE, attributes, parse_vehicle)
@@ -217,9 +215,7 @@ def check_status(path: Path, status: NDArray[np.uint8]) -> None:
     """Refuse a status that is none."""
     highest = int(status.max())
     if highest >= len(Status):
-        raise LutFormatError(
-            path, f"{layout.STATUS}: {highest} is not allowed; allowed: 0 to {len(Status) - 1}"
-        )
+        raise LutFormatError(path, f"{layout.STATUS}: {highest} is not allowed; allowed: 0 to {len(Status) - 1}")
 
 
 def check_values(path: Path, name: str, values: Array, converged: NDArray[np.bool_]) -> None:
@@ -229,6 +225,4 @@ def check_values(path: Path, name: str, values: Array, converged: NDArray[np.boo
     if faults.any():
         place = tuple(int(index) for index in np.unravel_index(faults.argmax(), faults.shape))
         problem = "no number in a converged cell" if converged[place] else "a number in a cell without answer"
-        raise LutFormatError(
-            path, f"{name}: {problem}, at indices {place} of {', '.join(layout.COORDINATES)}"
-        )
+        raise LutFormatError(path, f"{name}: {problem}, at indices {place} of {', '.join(layout.COORDINATES)}")

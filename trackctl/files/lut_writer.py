@@ -112,9 +112,7 @@ class LutWriter:
             `Status` of each cell.
         """
         for name, dataset in self._datasets.items():
-            column = np.ascontiguousarray(
-                status if name == layout.STATUS else values[name], layout.DTYPES[name]
-            )
+            column = np.ascontiguousarray(status if name == layout.STATUS else values[name], layout.DTYPES[name])
             if column.shape != self._column_shape:
                 raise ValueError(f"{name}: {column.shape} is not the shape {self._column_shape} of a column")
             if self._is_compressed:
@@ -155,9 +153,7 @@ class LutWriter:
         self._stream.raise_deferred()
 
 
-def own_attributes(
-    vehicle: VehicleProfile, terrain: TerrainProfile, gravity: float
-) -> dict[str, str | int | float]:
+def own_attributes(vehicle: VehicleProfile, terrain: TerrainProfile, gravity: float) -> dict[str, str | int | float]:
     """Root attributes that every table has."""
     return {
         "filetype": layout.FILETYPE,

@@ -48,6 +48,4 @@ def profile_files(kind: ProfileKind) -> dict[str, Path]:
 def is_name(name_or_path: str) -> bool:
     """Whether this is the name of a profile rather than the path of a file."""
     separators = [separator for separator in ("/", os.sep, os.altsep) if separator]
-    return not name_or_path.endswith(_ENDINGS) and not any(
-        separator in name_or_path for separator in separators
-    )
+    return not name_or_path.endswith(_ENDINGS) and not any(separator in name_or_path for separator in separators)

@@ -100,9 +100,7 @@ def _by_name(schema: Schema, entries: Iterable[Entry]) -> dict[str, Entry]:
             raise entry.error(_unknown(schema, entry.key))
         name = names[entry.key]
         if name in given:
-            raise entry.error(
-                f"stands in line {given[name].line} as {given[name].key}; allowed: one of the two"
-            )
+            raise entry.error(f"stands in line {given[name].line} as {given[name].key}; allowed: one of the two")
         given[name] = entry
     return given
 
@@ -123,14 +121,10 @@ def _refuse_missing(schema: Schema, given: dict[str, Entry], file: str) -> None:
     if FOOTPRINT in given:
         for quantity in BODY_QUANTITIES:
             if quantity.name in given:
-                raise given[quantity.name].error(
-                    f"stands beside {given[FOOTPRINT].key}; allowed: one of the two"
-                )
+                raise given[quantity.name].error(f"stands beside {given[FOOTPRINT].key}; allowed: one of the two")
     elif FOOTPRINT in required:
         required |= {quantity.name for quantity in BODY_QUANTITIES}
-    missing = [
-        key for name, key in schema.keys.items() if name in required - {FOOTPRINT} and name not in given
-    ]
+    missing = [key for name, key in schema.keys.items() if name in required - {FOOTPRINT} and name not in given]
     if missing:
         instead = f" (or {FOOTPRINT_KEY} for the body)" if missing[-1] == BODY_QUANTITIES[-1].key else ""
         raise ProfileError(file, f"missing keys: {', '.join(missing)}{instead}")

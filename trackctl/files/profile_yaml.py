@@ -122,15 +122,10 @@ def profile_template(example: Profile) -> str:
     if isinstance(example, VehicleProfile):
         for quantity, coordinates in zip(BODY_QUANTITIES, zip(*example.footprint, strict=True), strict=True):
             values[quantity.name] = max(coordinates) - min(coordinates)
-    lines += [
-        _template_line(SCHEMAS[kind], quantity, values[quantity.name])
-        for quantity in SCHEMAS[kind].quantities
-    ]
+    lines += [_template_line(SCHEMAS[kind], quantity, values[quantity.name]) for quantity in SCHEMAS[kind].quantities]
     if kind is ProfileKind.VEHICLE:
         lines.append(
-            _commented(
-                f"# {FOOTPRINT_KEY}: [[x, y], ...]", "corners, in place of the body's length and width"
-            )
+            _commented(f"# {FOOTPRINT_KEY}: [[x, y], ...]", "corners, in place of the body's length and width")
         )
     return "\n".join(lines) + "\n"
 

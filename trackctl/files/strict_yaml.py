@@ -81,9 +81,7 @@ def read_entries(text: str, file: str) -> dict[str, Entry]:
     if root is None:
         raise ProfileError(file, "is empty; `trackctl profiles new` writes a template")
     if not isinstance(root, yaml.MappingNode):
-        raise ProfileError(
-            file, "is no list of `key: value` lines; `trackctl profiles new` writes a template", 1
-        )
+        raise ProfileError(file, "is no list of `key: value` lines; `trackctl profiles new` writes a template", 1)
     entries: dict[str, Entry] = {}
     for key_node, node in root.value:
         entry = Entry(file, key_node.start_mark.line + 1, _key(key_node, file), node)

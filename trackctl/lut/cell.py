@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import carray, types
@@ -23,11 +23,17 @@ Array = NDArray[np.float64]
 
 #: Largest residual of an accepted cell, in units of m g and m g L.
 TOLERANCE = 1e-10
-#: Most evaluations from a warm start.
-WARM_EVALUATIONS = 8
-#: Most evaluations from a start that owes nothing to a neighbour.
-COLD_EVALUATIONS = 40
 
+
+class Effort(NamedTuple):
+    """When a solver stops: at a largest residual, or after so many evaluations."""
+
+    tolerance: float
+    evaluations: int
+
+
+#: From a start near the root, and from one that owes nothing to a neighbour.
+WARM, COLD = Effort(TOLERANCE, 8), Effort(TOLERANCE, 40)
 
 #: Quadrature of the answers, and of a swarm that only has to find the valley.
 FINE, COARSE = rules(), rules((8,))
@@ -116,9 +122,7 @@ def residual_at(solver: Solver, point: OperatingPoint, x: Array) -> float:
 
 
 @kernel
-def solve_from(
-    solver: Solver, point: OperatingPoint, x: Array, tolerance: float, most_evaluations: int
-) -> tuple[bool, int]:
+def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) -> tuple[bool, int]:
     """Levenberg-Marquardt from x, which is improved in place.
 
     Returns
@@ -130,8 +134,8 @@ def solve_from(
     evaluate(solver, point, x, work.residual, work.jacobian)
     evaluations = 1
     damping = 0.0
-    while not lm.is_solved(work, tolerance):
-        if evaluations >= most_evaluations or damping > lm.LARGEST_DAMPING:
+    while not lm.is_solved(work, effort.tolerance):
+        if evaluations >= effort.evaluations or damping > lm.LARGEST_DAMPING:
             return False, evaluations
         if lm.propose(x, damping, solver.lower, solver.upper, work):
             evaluate(solver, point, work.trial, work.trial_residual, work.trial_jacobian)
@@ -162,12 +166,12 @@ def is_answer(solver: Solver, x: Array) -> bool:
 @kernel
 def solve_warm(solver: Solver, point: OperatingPoint, x: Array) -> bool:
     """Solve from a start near the root; True if the root found is the answer."""
-    solved, _ = solve_from(solver, point, x, TOLERANCE, WARM_EVALUATIONS)
+    solved, _ = solve_from(solver, point, x, WARM)
     return solved and is_answer(solver, x)
 
 
 @kernel
 def solve_cold(solver: Solver, point: OperatingPoint, x: Array) -> bool:
     """Solve from a start that may be far from the root; True if the root found is the answer."""
-    solved, _ = solve_from(solver, point, x, TOLERANCE, COLD_EVALUATIONS)
+    solved, _ = solve_from(solver, point, x, COLD)
     return solved and is_answer(solver, x)

@@ -297,9 +297,7 @@ def contract(values: Array, weights: Array, offsets: Offsets, answers: Array) ->
 
 
 @kernel
-def judge(
-    cell_status: Codes, weights: Array, offsets: Offsets, inside: Flags, answers: Array, status: Codes
-) -> None:
+def judge(cell_status: Codes, weights: Array, offsets: Offsets, inside: Flags, answers: Array, status: Codes) -> None:
     """Status of each query before actuator limits; NaN for answers outside the table."""
     for query in range(status.size):
         if not inside[query]:
@@ -319,12 +317,7 @@ def refusal(cell_status: Codes, weights: Array, offsets: Offsets, query: int) ->
         for j in range(1, 3):
             for k in range(1, 3):
                 for n in range(1, 3):
-                    weight = (
-                        weights[0, query, i]
-                        * weights[1, query, j]
-                        * weights[2, query, k]
-                        * weights[3, query, n]
-                    )
+                    weight = weights[0, query, i] * weights[1, query, j] * weights[2, query, k] * weights[3, query, n]
                     if weight == 0.0:
                         continue
                     row = offsets[0, query, i] + offsets[1, query, j] + offsets[2, query, k]

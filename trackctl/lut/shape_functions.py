@@ -120,9 +120,7 @@ def stencils(nodes: Array, stride: int, period: float | None = None, bend: float
     after = borders[1:] + np.where(has_after, np.roll(width, -1), width)
     coordinates = np.stack([before, borders[:-1], borders[1:], after], axis=1)
     numbers = np.stack([cells - has_before, cells, cells + 1, cells + 1 + has_after], axis=1) % nodes.size
-    extent = np.select(
-        [has_before & has_after, has_after, has_before], [ALL_NODES, NONE_BEFORE, NONE_AFTER], PAIR
-    )
+    extent = np.select([has_before & has_after, has_after, has_before], [ALL_NODES, NONE_BEFORE, NONE_AFTER], PAIR)
     return _with_search(borders, coordinates, (numbers * stride).astype(np.uint64), extent)
 
 
@@ -160,9 +158,7 @@ def _with_search(borders: Array, coordinates: Array, offset: Offsets, extent: In
 
 
 @kernel
-def weigh(
-    stencils: Stencils, method: int, points: Array, weights: Array, offset: Offsets, inside: Flags
-) -> None:
+def weigh(stencils: Stencils, method: int, points: Array, weights: Array, offset: Offsets, inside: Flags) -> None:
     """Weights and offsets of the four nodes at many points of one axis.
 
     Parameters

@@ -11,6 +11,7 @@ from trackctl.compiled import kernel
 from trackctl.lut.cell import (
     PARTICLES,
     TOLERANCE,
+    Effort,
     Solver,
     evaluate,
     is_answer,
@@ -30,8 +31,8 @@ Array = NDArray[np.float64]
 SETTINGS = pso.Settings(iterations=10, first_inertia=0.9, last_inertia=0.3, cognitive=1.5, social=1.5)
 #: Most particles that Levenberg-Marquardt starts from, best first.
 STARTS = 8
-#: Stop on the coarse balance, and most evaluations on either.
-APPROACH, MOST_EVALUATIONS = 1e-4, 20
+#: On the coarse balance, and then on the fine one.
+APPROACH, POLISH = Effort(1e-4, 20), Effort(TOLERANCE, 20)
 #: The swarm flies in asinh of slip and sideslip over these scales: roots lie at slips from thousandths to ones.
 SLIP_SCALE = 0.01
 SIDESLIP_SCALE = 0.02
@@ -77,7 +78,7 @@ def fly(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> None
     model, flock, work = model_of(solver), solver.flock, solver.work
     set_box(solver, model, point.curvature)
     pso.scatter(flock, solver.flock_lower, solver.flock_upper, stream)
-    leader = 0
+    leader = np.int64(0)
     for iteration in range(SETTINGS.iterations):
         for i in range(PARTICLES):
             unknowns_of(model, point.curvature, flock.position[i], x)
@@ -113,9 +114,9 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
     for _ in range(STARTS):
         unknowns_of(model_of(solver), point.curvature, solver.flock.best[take_cheapest(solver.flock.cost)], x)
         solver.coarse = True
-        solve_from(solver, point, x, APPROACH, MOST_EVALUATIONS)
+        solve_from(solver, point, x, APPROACH)
         solver.coarse = False
-        solved, _ = solve_from(solver, point, x, TOLERANCE, MOST_EVALUATIONS)
+        solved, _ = solve_from(solver, point, x, POLISH)
         least = min(least, lm.largest(solver.work.residual))
         if solved and is_answer(solver, x):
             return True, residual_at(solver, point, x)

@@ -39,9 +39,7 @@ class TrackModel(NamedTuple):
     gravity: float
 
 
-def track_model(
-    vehicle: VehicleProfile, terrain: TerrainProfile, gravity: float = STANDARD_GRAVITY
-) -> TrackModel:
+def track_model(vehicle: VehicleProfile, terrain: TerrainProfile, gravity: float = STANDARD_GRAVITY) -> TrackModel:
     """The model's constants for a vehicle on a terrain."""
     return TrackModel(
         gauge=vehicle.track_gauge,

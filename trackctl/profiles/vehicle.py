@@ -104,9 +104,7 @@ class VehicleProfile:
             value = getattr(self, key)
             if abs(value) >= bound:
                 allowed = f"below {bound:g} m, {partner}"
-                raise ProfileError(
-                    label, f"{key}: {value:g} m is not allowed; allowed: {allowed}", None, key, value
-                )
+                raise ProfileError(label, f"{key}: {value:g} m is not allowed; allowed: {allowed}", None, key, value)
         problem = footprint_problem(self.footprint)
         if problem:
             raise ProfileError(label, f"footprint: {problem}", None, "footprint", self.footprint)

@@ -31,11 +31,7 @@ def axis_indices(
     says no more than that: the axis may still matter that much.
     """
     return tuple(
-        max(
-            max(found.index, found.dummy)
-            for found in indices
-            if found.input == name and found.statistic is statistic
-        )
+        max(max(found.index, found.dummy) for found in indices if found.input == name and found.statistic is statistic)
         for name in inputs
     )
 
