@@ -64,7 +64,7 @@ def cached_in_kernel_folder() -> Iterator[None]:
 def kernel(function: Kernel) -> Kernel:
     """Compile a function with the package's settings: cached, without the GIL, vectorisable loops."""
     with cached_in_kernel_folder():
-        compiled: Kernel = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)
+        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)
     return compiled
 
 

@@ -14,7 +14,10 @@ SLOPE = np.radians([12.0])
 RANGES = Ranges(velocity=(0.5, 1.0), radius=(1.0, 5.0), heading=(0.0, FULL_CIRCLE))
 
 
-def axes_of(vehicle=VEHICLE, divisions=Divisions(2, 4, 12), **ranges):
+DIVISIONS = Divisions(2, 4, 12)
+
+
+def axes_of(vehicle=VEHICLE, divisions=DIVISIONS, **ranges):
     return make_axes(vehicle, SLOPE, replace(RANGES, **ranges), divisions)
 
 

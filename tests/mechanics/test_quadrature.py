@@ -17,7 +17,7 @@ PROMISED = 1.2e-7
 
 
 def row(index: int) -> tuple[Array, Array]:
-    count = RULE.count[index]
+    count = RULE.counts[index]
     return RULE.nodes[index, :count], RULE.weights[index, :count]
 
 
@@ -38,7 +38,7 @@ def test_rules_are_padded_with_zeros() -> None:
 
 def test_a_single_count_is_used_everywhere() -> None:
     single = rules((48,))
-    assert single.count.tolist() == [48]
+    assert single.counts.tolist() == [48]
     for axis, layer in ((1.0, 1e9), (math.inf, 0.0), (math.nan, math.nan)):
         assert choose(single, axis, layer) == 0
 

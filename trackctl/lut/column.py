@@ -148,14 +148,15 @@ def sweep(solver: Solver, column: Column, cells: Cells, row: int, first: int, di
     """
     count = column.heading.size
     pending = count_pending(cells, row)
-    known, cell = np.int64(0), first
+    none = int(np.int64(0))  # no literal: numba would compile the loop's kernels for it, too
+    known, cell = none, first
     for _ in range(count + count // 2 if column.periodic else count):
         if pending == 0:
             return
         if cells[row, cell].status == PENDING:
             solve_pending(solver, column, cells, row, cell, known, x)
             pending -= cells[row, cell].status != PENDING
-        known = note(solver, cells[row, cell].unknowns, known) if has_root(cells, row, cell) else np.int64(0)
+        known = note(solver, cells[row, cell].unknowns, known) if has_root(cells, row, cell) else none
         cell = neighbour(column, cell, direction)
         if cell < 0:
             return

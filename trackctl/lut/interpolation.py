@@ -140,8 +140,8 @@ def interpolant_of(
     axes
         Grid nodes.
     unknowns
-        Left and right track speed over speed [-] and sideslip [rad], shape `axes.shape` and 3; overwritten with NaN where
-        the status is not converged.
+        Left and right track speed over speed [-] and sideslip [rad], shape `axes.shape` and 3; overwritten with NaN
+        where the status is not converged.
     status
         `Status` of the cells, shape `axes.shape`.
     vehicle

@@ -78,7 +78,7 @@ def fly(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> None
     model, flock, work = model_of(solver), solver.flock, solver.work
     set_box(solver, model, point.curvature)
     pso.scatter(flock, solver.flock_lower, solver.flock_upper, stream)
-    leader = np.int64(0)
+    leader = int(np.int64(0))  # no literal: numba would compile the loop's kernels for it, too
     for iteration in range(SETTINGS.iterations):
         for i in range(PARTICLES):
             unknowns_of(model, point.curvature, flock.position[i], x)

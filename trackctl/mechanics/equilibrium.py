@@ -53,16 +53,16 @@ def track_force(motion: TrackMotion, ground: Contact, shear_modulus: float, rule
     """Shear force on a track, integrated over the stretches behind and ahead of where the lateral sliding vanishes."""
     middle, middle_b = split(motion, ground)
     near = singularities(motion, ground)
-    row_behind = row_ahead = rule.count.size
+    row_behind = row_ahead = rule.counts.size
     count = 0
     if middle > ground.rear:
         behind = Stretch(ground.rear, middle)
         row_behind = choose(rule, sharpness(near, behind), boundary_layer(motion, shear_modulus, behind))
-        count += rule.count[row_behind]
+        count += rule.counts[row_behind]
     if middle < ground.front:
         ahead = Stretch(middle, ground.front)
         row_ahead = choose(rule, sharpness(near, ahead), boundary_layer(motion, shear_modulus, ahead))
-        count += rule.count[row_ahead]
+        count += rule.counts[row_ahead]
     joined = rule.joined[row_behind, row_ahead]
     return shear_force(motion, ground, shear_modulus, middle, middle_b, joined, count)
 

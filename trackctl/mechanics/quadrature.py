@@ -32,8 +32,8 @@ class Rule(NamedTuple):
     Attributes
     ----------
     nodes, weights
-        Shape (n_rules, largest count); row i holds `count[i]` entries, then zeros.
-    count
+        Shape (n_rules, largest count); row i holds `counts[i]` entries, then zeros.
+    counts
         Shape (n_rules,), int64.
     least_axis
         Least half major axis, in half stretches, of the ellipse of analyticity, shape (n_rules,).
@@ -47,7 +47,7 @@ class Rule(NamedTuple):
 
     nodes: Array
     weights: Array
-    count: NDArray[np.int64]
+    counts: NDArray[np.int64]
     least_axis: Array
     largest_layer: Array
     joined: Array
@@ -93,7 +93,7 @@ def axis_through(real: float, imaginary: float, start: float, end: float) -> flo
 @kernel
 def choose(rule: Rule, axis: float, layer: float) -> int:
     """Row of the smallest rule that is good enough, or the last; NaN asks for the last."""
-    last = rule.count.size - 1
+    last = rule.counts.size - 1
     for row in range(last):
         if axis >= rule.least_axis[row] and layer <= rule.largest_layer[row]:
             return row
