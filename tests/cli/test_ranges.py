@@ -29,7 +29,7 @@ def test_named_numbers():
 
 @pytest.mark.parametrize("text", ["", "a", "2:1", "1:2:3", "nan:2", "1:inf", ":", "1:"])
 def test_wrong_ranges_are_refused(text):
-    with pytest.raises(UsageError, match="--radius-m: .* is not allowed; allowed: MIN:MAX"):
+    with pytest.raises(UsageError, match=r"--radius-m: .* is not allowed; allowed: MIN:MAX"):
         range_of(text, "--radius-m")
 
 
@@ -37,7 +37,7 @@ def test_wrong_ranges_are_refused(text):
     "text", ["", "0:10", "10:0:1", "0:10:0", "0:10:-1", "5,5", "10,5", "1,,2", "nan", "0:10:1e-9", "0:10:nan"]
 )
 def test_wrong_lists_are_refused(text):
-    with pytest.raises(UsageError, match="--slope-deg: .* is not allowed"):
+    with pytest.raises(UsageError, match=r"--slope-deg: .* is not allowed"):
         list_of(text, "--slope-deg")
 
 

@@ -11,10 +11,8 @@ from trackctl.lut.grid import Divisions, Ranges, cell_count, check_ranges, defau
 
 VEHICLE = load_vehicle("utv-61cm")
 SLOPE = np.radians([12.0])
-RANGES = Ranges(velocity=(0.5, 1.0), radius=(1.0, 5.0), heading=(0.0, FULL_CIRCLE))
-
-
 DIVISIONS = Divisions(2, 4, 12)
+RANGES = Ranges(velocity=(0.5, 1.0), radius=(1.0, 5.0), heading=(0.0, FULL_CIRCLE))
 
 
 def axes_of(vehicle=VEHICLE, divisions=DIVISIONS, **ranges):
@@ -76,7 +74,7 @@ def test_a_step_is_shrunk_until_it_divides_its_range(width, step, divisions):
 
 @pytest.mark.parametrize("step", [0.0, -1.0, math.nan, math.inf, 1e-300])
 def test_steps_that_make_no_grid_are_refused(step):
-    with pytest.raises(UsageError, match="--steps velocity: .* is not allowed"):
+    with pytest.raises(UsageError, match=r"--steps velocity: .* is not allowed"):
         divisions_of(1.0, step, "--steps velocity")
 
 

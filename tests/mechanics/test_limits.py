@@ -33,6 +33,7 @@ from trackctl.mechanics.limits import (
     exceeded_limit,
     outside_box,
     proven_infeasible,
+    surely_admissible,
 )
 
 SIDESLIPS = np.linspace(-LARGEST_SIDESLIP, LARGEST_SIDESLIP, 2001)
@@ -106,6 +107,16 @@ def test_bounds_are_those_found_by_trying_every_sideslip() -> None:
         assert proven(point) == expected, point
         count[expected] += 1
     assert min(count.values()) > 0
+
+
+def test_where_the_triangle_inequality_holds_nothing_is_proven() -> None:
+    sure = 0
+    for point in random_points(400, 23):
+        if surely_admissible(model_of(point), point.slope, operating_point_of(point).centripetal):
+            sure += 1
+            for heading in np.linspace(0.0, 2 * math.pi, 12).tolist():
+                assert proven(replace(point, heading=heading)) == ADMISSIBLE
+    assert sure > 50
 
 
 def test_points_just_beyond_the_grip_bound_have_no_equilibrium() -> None:

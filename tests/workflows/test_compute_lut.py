@@ -19,6 +19,7 @@ from trackctl.workflows.table_request import new_request
 from trackctl.workflows.table_steps import explicit_steps
 
 VEHICLE = load_vehicle("utv-61cm")
+SLIPPERY = replace(load_terrain("asphalt"), friction_coefficient=0.05)
 RANGES = replace(default_ranges(VEHICLE), velocity=(0.5, 1.5), radius=(1.0, 6.0))
 STEPS = explicit_steps(RANGES, 0.5, 1.0, np.radians(30.0))
 
@@ -102,8 +103,8 @@ def test_a_replacing_run_resumes_too(tmp_path, whole):
 
 
 def test_a_table_without_a_feasible_cell_leaves_nothing(tmp_path):
-    with pytest.raises(NoAnswerError, match="no cell of the table is feasible: .* infeasible_grip"):
-        compiled(tmp_path / "lut.h5", request("snow", 40.0))
+    with pytest.raises(NoAnswerError, match=r"no cell of the table is feasible: .* infeasible_grip"):
+        compiled(tmp_path / "lut.h5", replace(request(), terrain=SLIPPERY))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -57,7 +57,7 @@ def test_a_tolerance_beyond_the_budget_names_axis_and_error():
 
 
 def test_slopes_are_for_the_user_to_name():
-    with pytest.raises(NoAnswerError, match="slope errs most, .* name more slopes in --slope-deg"):
+    with pytest.raises(NoAnswerError, match=r"slope errs most, .* name more slopes in --slope-deg"):
         refined(1e-3, slopes_deg=(0.0, 20.0), most_cells=10_000)
 
 

@@ -12,10 +12,9 @@ import typer
 from trackctl.cli.progress import say
 
 if TYPE_CHECKING:
-    from trackctl.lut.certificate import ErrorCertificate
     from trackctl.workflows.table_request import TableRequest
     from trackctl.workflows.table_steps import ChosenSteps
-    from trackctl.workflows.table_summary import TableSummary
+    from trackctl.workflows.table_summary import ErrorCertificate, TableSummary
 
 
 def tell_shrunk(chosen: ChosenSteps, asked: dict[str, float], quiet: bool) -> None:

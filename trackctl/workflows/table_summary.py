@@ -22,6 +22,8 @@ from trackctl.lut.interpolation import Interpolant, interpolant_of
 from trackctl.lut.table import Status
 from trackctl.workflows.table_request import TableRequest
 
+__all__ = ["ErrorCertificate", "TableSummary", "certificate_of", "count_status", "ready_for_lookup", "summary_of"]
+
 #: Points of the error certificate, and between straight driving and the largest radius; cells of the swarm check.
 CERTIFICATE_POINTS = 2000
 NEAR_STRAIGHT_POINTS = 500
