@@ -70,6 +70,7 @@ SOLVER = np.dtype(
         ("traction", np.float64, 2),  # track forces of the last evaluation [-]
         ("work", workspace(3)),  # holds the balance of the last solution
         ("flock", swarm(PARTICLES, 3)),
+        ("root", np.float64, 3),  # best of a search
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
         ("curve", curve(3)),

@@ -11,7 +11,7 @@ from trackctl.compiled import kernel
 from trackctl.lut.branch import REACHED, Way, follow
 from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solve_warm, solver
 from trackctl.lut.cells import Cells, pending_cells
-from trackctl.lut.swarm_search import no_slip, search
+from trackctl.lut.swarm_search import SURELY_SMALLEST, no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
 from trackctl.mechanics.parameters import TrackModel
@@ -54,7 +54,7 @@ def solve_point(
     proven = proven_infeasible(model, point)
     if proven != ADMISSIBLE:
         return proven, residual_at(solver, point, x)
-    if try_no_slip and solve_cold(solver, point, x):
+    if try_no_slip and solve_cold(solver, point, x) and abs(x[2]) < SURELY_SMALLEST:
         return exceeded_limit(model, point, x), largest(solver.work.residual)
     found, least = search(solver, point, draws, x)
     if found:

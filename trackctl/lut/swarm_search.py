@@ -33,6 +33,8 @@ SETTINGS = pso.Settings(iterations=10, first_inertia=0.9, last_inertia=0.3, cogn
 STARTS = 8
 #: On the coarse balance, and then on the fine one.
 APPROACH, POLISH = Effort(1e-4, 20), Effort(TOLERANCE, 20)
+#: Answers of a larger sideslip than this may have a rival of smaller sideslip. [rad]
+SURELY_SMALLEST = math.radians(20.0)
 #: The swarm flies in asinh of slip and sideslip over these scales: roots lie at slips from thousandths to ones.
 SLIP_SCALE = 0.01
 SIDESLIP_SCALE = 0.02
@@ -47,9 +49,12 @@ def no_slip_speed(model: TrackModel, curvature: float, track: int) -> float:
 
 @kernel
 def no_slip(model: TrackModel, curvature: float, x: Array) -> None:
-    """Track speed ratios without slip, and no sideslip, into x."""
-    x[0] = no_slip_speed(model, curvature, 0)
-    x[1] = no_slip_speed(model, curvature, 1)
+    """Track speed ratios with hardly any slip, and no sideslip, into x.
+
+    Without any, a track on a straight line would not slide at all, and the direction of its shear would be undefined.
+    """
+    x[0] = no_slip_speed(model, curvature, 0) + SLIP_SCALE
+    x[1] = no_slip_speed(model, curvature, 1) + SLIP_SCALE
     x[2] = 0.0
 
 
@@ -110,7 +115,8 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
     """
     solver.coarse = True
     fly(solver, point, stream, x)
-    least = np.inf
+    least, smallest = np.inf, np.inf
+    root = solver.root
     for _ in range(STARTS):
         unknowns_of(model_of(solver), point.curvature, solver.flock.best[take_cheapest(solver.flock.cost)], x)
         solver.coarse = True
@@ -118,6 +124,14 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
         solver.coarse = False
         solved, _ = solve_from(solver, point, x, POLISH)
         least = min(least, lm.largest(solver.work.residual))
-        if solved and is_answer(solver, x):
-            return True, residual_at(solver, point, x)
-    return False, least
+        if solved and is_answer(solver, x) and abs(x[2]) < smallest:
+            smallest = abs(x[2])
+            for i in range(3):
+                root[i] = x[i]
+            if smallest < SURELY_SMALLEST:
+                break
+    if smallest == np.inf:
+        return False, least
+    for i in range(3):
+        x[i] = root[i]
+    return True, residual_at(solver, point, x)

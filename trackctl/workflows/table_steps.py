@@ -24,6 +24,8 @@ from trackctl.workflows.sensitivity import SensitivityRequest, SensitivityResult
 from trackctl.workflows.table_request import TableRequest
 
 AXES = ("velocity", "radius", "heading")
+#: Enough to rank the axes; `trackctl sensitivity` takes more for its intervals.
+SAMPLES, RESAMPLES = 2048, 200
 #: Least divisions, whatever the indices say: influence is not interpolation error.
 LEAST = Divisions(velocity=4, radius=12, heading=24)
 
@@ -90,6 +92,8 @@ def sensitivity_of(request: TableRequest, jobs: int) -> SensitivityResult:
             request.gravity,
             float(slope),
             request.ranges,
+            samples=SAMPLES,
+            resamples=RESAMPLES,
             seed=request.seed,
             jobs=jobs,
         )
