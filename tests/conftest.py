@@ -12,7 +12,7 @@ settings.load_profile("trackctl")
 #: Adversarial cases (steep slopes, islands, a hair beyond a fold) that the solver still decides wrongly or leaves
 #: undecided, as brute force shows. Each must fail until it is mended, and then leave this list.
 KNOWN_DEFECTS = {
-    "lut/test_column.py::test_hard_columns_are_decided_as_the_oracle_decides[slippery, braking and driving at the limit]",
+    "test_hard_columns_are_decided_as_the_oracle_decides[slippery, braking and driving at the limit]",
     "lut/test_column.py::test_hard_columns_are_decided_as_the_oracle_decides[too steep to stand on, to the right]",
     "lut/test_column.py::test_hard_columns_are_decided_as_the_oracle_decides[too steep to stand on]",
     "lut/test_column.py::test_hard_columns_are_decided_as_the_oracle_decides[wide turn]",
