@@ -9,7 +9,7 @@ from hypothesis import settings
 settings.register_profile("trackctl", deadline=None, derandomize=True)
 settings.load_profile("trackctl")
 
-#: Adversarial cases (steep slopes, islands, a hair beyond a fold) that the solver still decides wrongly or leaves
+#: Cases (steep slopes, islands, a hair beyond a fold; cells of shipped vehicles are affected, too) that the solver still decides wrongly or leaves
 #: undecided, as brute force shows. Each must fail until it is mended, and then leave this list.
 KNOWN_DEFECTS = {
     "test_hard_columns_are_decided_as_the_oracle_decides[slippery, braking and driving at the limit]",
