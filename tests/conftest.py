@@ -9,8 +9,8 @@ from hypothesis import settings
 settings.register_profile("trackctl", deadline=None, derandomize=True)
 settings.load_profile("trackctl")
 
-#: Cases (steep slopes, islands, a hair beyond a fold; cells of shipped vehicles are affected, too) that the solver still decides wrongly or leaves
-#: undecided, as brute force shows. Each must fail until it is mended, and then leave this list.
+#: Cases that the solver still decides wrongly or leaves undecided, as brute force shows: steep slopes, islands, a hair
+#: beyond a fold. Cells of shipped vehicles are affected, too. Each must fail until it is mended, and then leaves it.
 KNOWN_DEFECTS = {
     "test_hard_columns_are_decided_as_the_oracle_decides[slippery, braking and driving at the limit]",
     "lut/test_column.py::test_hard_columns_are_decided_as_the_oracle_decides[too steep to stand on, to the right]",

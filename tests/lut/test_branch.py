@@ -17,7 +17,8 @@ from trackctl.mechanics.limits import GRIP, LIFTOFF, PITCHOVER
 
 
 def root_of(point: OraclePoint) -> Array:
-    return solve_points(model_of(point), np.array([row_of(point)]))[0]["unknowns"].copy()
+    unknowns: Array = solve_points(model_of(point), np.array([row_of(point)]))[0]["unknowns"]
+    return unknowns.copy()
 
 
 def followed(first: OraclePoint, **last: float) -> tuple[int, Array, OraclePoint]:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
-from model_cases import DOCUMENTED, SMALL, evaluate, model_of, random_points, row_of
-from oracle import OraclePoint, Triple, det_sign, roots
+from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, random_points, row_of
+from oracle import OraclePoint, Triple, default_starts, det_sign, roots
 
-from trackctl.lut.cells import Cells
 from trackctl.lut.point import solve_points
 from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import TrackModel
@@ -20,24 +20,30 @@ CONVERGED, NOT_CONVERGED = Status.CONVERGED, Status.NOT_CONVERGED
 SAME_ROOT = 2e-3
 
 
-def solve(point: OraclePoint, *, swarm_always: bool = False, seed: int = 0) -> Cells:
+def solve(point: OraclePoint, *, swarm_always: bool = False, seed: int = 0) -> Any:
     """The cell of one point, a record."""
     return solve_points(model_of(point), np.array([row_of(point)]), seed=seed, swarm_always=swarm_always)[0]
 
 
-def track_speeds(cell: Cells, point: OraclePoint) -> Triple:
+def track_speeds(cell: Any, point: OraclePoint) -> Triple:
     left, right, sideslip = cell["unknowns"].tolist()
     return left * point.velocity, right * point.velocity, sideslip
 
 
-def answer(point: OraclePoint, starts: int = 64) -> Triple | None:
-    """The root that the model's description asks for: of smallest sideslip among those of positive determinant."""
+def answer(point: OraclePoint, found: Array | None = None) -> Triple | None:
+    """The root that the model's description asks for: of smallest sideslip among those of positive determinant.
+
+    The oracle also starts at what the package has found: 64 starts of its own miss a root in one point of 200.
+    """
+    starts = default_starts(point, 64)
+    if found is not None and np.isfinite(found).all():
+        starts = np.vstack((starts, found))
     return next((root for root in roots(point, starts) if det_sign(point, root) > 0), None)
 
 
-def assert_is_right(cell: Cells, point: OraclePoint) -> None:
+def assert_is_right(cell: Any, point: OraclePoint) -> None:
     """The cell holds the oracle's answer, or a reason why there is none."""
-    expected = answer(point)
+    expected = answer(point, cell["unknowns"])
     assert cell["status"] != NOT_CONVERGED, point
     assert (cell["status"] == CONVERGED) == (expected is not None), (Status(cell["status"]), expected, point)
     if expected is not None:
@@ -60,13 +66,12 @@ def test_documented_points_have_their_answers(velocity: float, expected: Triple 
     assert track_speeds(cell, point) == pytest.approx(expected, abs=5.1e-4)  # Three decimals are given.
 
 
-@pytest.mark.parametrize("velocity", [4.0, 4.15])
-def test_no_swarm_lands_on_the_second_root(velocity: float) -> None:
+@pytest.mark.parametrize(("velocity", "sideslip"), [(4.0, -0.146), (4.15, -0.189)])
+def test_no_swarm_lands_on_the_second_root(velocity: float, sideslip: float) -> None:
     point = replace(DOCUMENTED, velocity=velocity)
     for seed in range(30):
-        assert solve(point, swarm_always=True, seed=seed)["unknowns"][2] == pytest.approx(
-            answer(point)[2], abs=SAME_ROOT
-        )
+        found = solve(point, swarm_always=True, seed=seed)["unknowns"][2]
+        assert found == pytest.approx(sideslip, abs=5.1e-4)  # Three decimals are given.
 
 
 # Found by comparing thousands of random points with the oracle.
@@ -175,7 +180,7 @@ def test_velocity_does_not_matter_on_a_straight_line(velocity: float) -> None:
     np.testing.assert_allclose(solve(replace(straight, velocity=velocity))["unknowns"], expected, rtol=0, atol=1e-9)
 
 
-def model_and_rows(number: int) -> tuple[TrackModel, np.ndarray]:
+def model_and_rows(number: int) -> tuple[TrackModel, Array]:
     rows = [row_of(replace(DOCUMENTED, heading=0.1 * k, velocity=1.0 + 0.02 * k)) for k in range(number)]
     return model_of(DOCUMENTED), np.array(rows)
 

@@ -98,7 +98,7 @@ def test_particles_start_stratified_and_at_rest() -> None:
 
 
 def test_strata_are_dealt_anew_in_every_dimension_and_stream() -> None:
-    def order(index: int) -> Array:
+    def order(index: int) -> NDArray[np.intp]:
         flock = np.zeros(1, pso.swarm(PARTICLES, 3))[0]
         pso.scatter(flock, LOWER, UPPER, stream(4, index))
         return np.argsort(flock["position"], axis=0)
