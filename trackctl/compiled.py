@@ -12,7 +12,7 @@ import hashlib
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import llvmlite.binding
 import numba
@@ -35,7 +35,7 @@ def cache_root() -> Path:
 
 @functools.cache
 def kernel_folder() -> Path:
-    """Folder of this version's compiled code, named after its sources, numba and Python."""
+    """Folder of this version's compiled code, named after its sources and numba, which adds Python and processor itself."""
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(path for room in KERNEL_ROOMS for path in (package / room).rglob("*.py")):
@@ -65,7 +65,7 @@ def kernel(function: Kernel) -> Kernel:
     """Compile a function with the package's settings: cached, without the GIL, vectorisable loops."""
     with cached_in_kernel_folder():
         compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)
-    return compiled
+    return cast("Kernel", compiled)
 
 
 def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:

@@ -151,7 +151,7 @@ def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) 
 def branch_sign(jacobian: Array) -> float:
     """Determinant of the balance: positive on the branch that goes on from low speed, negative beyond its fold."""
     a = jacobian
-    return (
+    return float(
         a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
         - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
         + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])

@@ -73,7 +73,8 @@ class SwarmCheck:
 
 def between(nodes: Array, share: Array) -> Array:
     """Values spread over the range of an axis, uniformly in its value."""
-    return nodes[0] + share * (nodes[-1] - nodes[0])
+    low, high = float(nodes[0]), float(nodes[-1])
+    return low + share * (high - low)
 
 
 def random_arcs(axes: Axes, count: int, random: np.random.Generator) -> Array:

@@ -47,7 +47,7 @@ def decay(exponent: float) -> float:
     e *= e
     e *= e
     e *= e
-    return e * e
+    return float(e * e)
 
 
 @kernel

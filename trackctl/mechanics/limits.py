@@ -98,7 +98,7 @@ def exceeded_limit(model: TrackModel, point: OperatingPoint, unknowns: Array) ->
 @kernel
 def outside_box(unknowns: Array) -> bool:
     """Whether the unknowns lie outside the physical box."""
-    return (
+    return bool(
         min(unknowns[0], unknowns[1]) <= SLOWEST_TRACK
         or max(unknowns[0], unknowns[1]) >= FASTEST_TRACK
         or abs(unknowns[2]) >= LARGEST_SIDESLIP

@@ -118,4 +118,4 @@ def step_back(line: Curve) -> None:
 @kernel
 def has_folded(line: Curve) -> bool:
     """Whether the parameter no longer grows along the curve."""
-    return line.tangent[line.tangent.size - 1] <= 0.0
+    return bool(line.tangent[line.tangent.size - 1] <= 0.0)

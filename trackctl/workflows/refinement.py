@@ -115,7 +115,7 @@ def percent(error: float) -> str:
 
 def factor(error: float, tolerance: float) -> float:
     """By how much to divide a step more finely, for its error to fall to the tolerance."""
-    return min(max((error / tolerance) ** (1.0 / ORDER), LEAST_FACTOR), LARGEST_FACTOR)
+    return min(max(math.pow(error / tolerance, 1.0 / ORDER), LEAST_FACTOR), LARGEST_FACTOR)
 
 
 def finer(
