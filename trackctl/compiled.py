@@ -35,7 +35,10 @@ def cache_root() -> Path:
 
 @functools.cache
 def kernel_folder() -> Path:
-    """Folder of this version's compiled code, named after its sources and numba, which adds Python and processor itself."""
+    """Folder of this version's compiled code, named after its sources and numba.
+
+    numba itself tells Python versions and processors apart.
+    """
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(path for room in KERNEL_ROOMS for path in (package / room).rglob("*.py")):

@@ -11,8 +11,12 @@ import pytest
 from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, random_points, row_of
 from oracle import OraclePoint, Triple, default_starts, det_sign, roots
 
+from trackctl.lut.cell import solve_cold, solver
 from trackctl.lut.point import solve_points
+from trackctl.lut.swarm_search import SURELY_SMALLEST, no_slip
 from trackctl.lut.table import Status
+from trackctl.mechanics.limits import ADMISSIBLE, proven_infeasible
+from trackctl.mechanics.operating_point import operating_point
 from trackctl.mechanics.parameters import TrackModel
 
 CONVERGED, NOT_CONVERGED = Status.CONVERGED, Status.NOT_CONVERGED
@@ -200,3 +204,21 @@ def test_answers_do_not_depend_on_other_points() -> None:
 
 def test_no_points_are_no_cells() -> None:
     assert solve_points(model_of(DOCUMENTED), np.empty((0, 4))).shape == (0,)
+
+
+def test_a_root_in_hand_is_not_lost_to_a_swarm_that_finds_none() -> None:
+    """A root of large sideslip calls for a swarm, which may know a smaller one; it need not find any."""
+    for point in random_points(4000, 991):
+        if solves_from_no_slip(point):
+            cell = solve_points(model_of(point), np.array([row_of(point)]))[0]
+            assert cell["status"] not in (Status.INFEASIBLE_GRIP, Status.NOT_CONVERGED), point
+
+
+def solves_from_no_slip(point: OraclePoint) -> bool:
+    """Whether Levenberg-Marquardt alone finds an answer of large sideslip, without any swarm."""
+    model, row, x = model_of(point), row_of(point), np.empty(3)
+    operating = operating_point(model, *row)
+    no_slip(model, row[2], x)
+    if proven_infeasible(model, operating) != ADMISSIBLE:
+        return False
+    return solve_cold(solver(model)[0], operating, x) and abs(x[2]) >= SURELY_SMALLEST

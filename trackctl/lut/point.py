@@ -40,8 +40,9 @@ def solve_point(
 ) -> tuple[int, float]:
     """Solve one operating point; x receives the track speed ratios and the sideslip.
 
-    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`, then the swarm. Where neither finds a
-    root, the branch is followed from standstill: where it ends on the way, the point is infeasible.
+    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`; then the swarm, which may find a root of
+    smaller sideslip where that is large. Where neither finds a root, the branch is followed from standstill: where it
+    ends on the way, the point is infeasible.
 
     Returns
     -------
@@ -54,9 +55,15 @@ def solve_point(
     proven = proven_infeasible(model, point)
     if proven != ADMISSIBLE:
         return proven, residual_at(solver, point, x)
-    if try_no_slip and solve_cold(solver, point, x) and abs(x[2]) < SURELY_SMALLEST:
-        return exceeded_limit(model, point, x), largest(solver.work.residual)
+    known = False
+    if try_no_slip and solve_cold(solver, point, x):
+        if abs(x[2]) < SURELY_SMALLEST:
+            return exceeded_limit(model, point, x), largest(solver.work.residual)
+        known, left, right, sideslip = True, x[0], x[1], x[2]
     found, least = search(solver, point, draws, x)
+    if known and not (found and abs(x[2]) <= abs(sideslip)):
+        x[0], x[1], x[2] = left, right, sideslip
+        return exceeded_limit(model, point, x), residual_at(solver, point, x)
     if found:
         return exceeded_limit(model, point, x), least
     standing = operating_point(model, slope, 0.0, curvature, heading)
