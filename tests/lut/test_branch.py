@@ -10,10 +10,11 @@ import pytest
 from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, row_of
 from oracle import OraclePoint
 
-from trackctl.lut.branch import REACHED, Way, follow
+from trackctl.lut.branch import REACHED, Way, follow, settle
 from trackctl.lut.cell import solver
 from trackctl.lut.point import solve_points
 from trackctl.mechanics.limits import GRIP, LIFTOFF, PITCHOVER
+from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 
 
 def root_of(point: OraclePoint) -> Array:
@@ -21,19 +22,23 @@ def root_of(point: OraclePoint) -> Array:
     return unknowns.copy()
 
 
-def followed(first: OraclePoint, **last: float) -> tuple[int, Array, OraclePoint]:
-    """How the branch from a point to another velocity or heading ends, its last root, and where that is."""
+def operating(point: OraclePoint) -> OperatingPoint:
+    return operating_point(model_of(point), *row_of(point))
+
+
+def followed(first: OraclePoint, **last: float) -> tuple[int, Array, float]:
+    """How the branch from a point to another ends, its last root, and the share of the way there."""
     goal = replace(first, **last)
     memory, x = solver(model_of(first)), root_of(first)
-    way = Way(first.slope, first.curvature, first.velocity, goal.velocity, first.heading, goal.heading)
-    end = follow(memory[0], way, x)
-    share = float(memory[0]["curve"]["point"][3])
-    ended = replace(
-        first,
-        velocity=first.velocity + share * (goal.velocity - first.velocity),
-        heading=first.heading + share * (goal.heading - first.heading),
-    )
-    return end, x, ended
+    end = follow(memory[0], Way(operating(first), operating(goal)), x)
+    return end, x, float(memory[0]["curve"]["point"][3])
+
+
+def settled(point: OraclePoint) -> tuple[int, Array, float]:
+    """The same for the branch from level ground."""
+    memory, x = solver(model_of(point)), np.empty(3)
+    end = settle(memory[0], operating(point), x)
+    return end, x, float(memory[0]["curve"]["point"][3])
 
 
 @pytest.mark.parametrize(
@@ -41,19 +46,22 @@ def followed(first: OraclePoint, **last: float) -> tuple[int, Array, OraclePoint
 )
 def test_a_branch_leads_to_the_answer_at_its_end(last: dict[str, float]) -> None:
     first = replace(DOCUMENTED, velocity=2.0)
-    end, x, ended = followed(first, **last)
+    end, x, share = followed(first, **last)
     assert end == REACHED
-    # The last step may end beside the goal by the curve's bend; x is on the branch there.
-    assert np.abs(evaluate(ended, x)[0]).max() < 1e-8
-    np.testing.assert_allclose(x, root_of(replace(first, **last)), rtol=0, atol=1e-2)
+    assert share == 1.0
+    np.testing.assert_allclose(x, root_of(replace(first, **last)), rtol=0, atol=1e-9)
 
 
 def test_a_branch_ends_at_its_fold() -> None:
-    end, x, ended = followed(replace(DOCUMENTED, velocity=3.0), velocity=4.5)
+    end, x, share = followed(replace(DOCUMENTED, velocity=3.0), velocity=4.5)
     assert end == GRIP
-    # Two roots at 4.15 m/s, none at 4.2 m/s.
-    assert 4.15 < ended.velocity < 4.2
-    assert np.abs(evaluate(ended, x)[0]).max() < 1e-8
+    # Two roots at 4.15 m/s, none at 4.2 m/s; the centripetal acceleration grows linearly on the way. The last point
+    # lies beyond the fold, on the second branch, by a step at most.
+    velocity = math.sqrt(3.0**2 + share * (4.5**2 - 3.0**2))
+    assert 4.0 < velocity < 4.2
+    residual, jacobian, _ = evaluate(replace(DOCUMENTED, velocity=velocity), x)
+    assert np.abs(residual).max() < 2e-5
+    assert np.linalg.det(jacobian) <= 0.0
 
 
 def test_the_fold_is_where_answers_end() -> None:
@@ -71,6 +79,27 @@ def test_the_fold_is_where_answers_end() -> None:
     assert abs(np.linalg.det(singular)) < 0.02 * abs(np.linalg.det(regular))
 
 
+@pytest.mark.parametrize("curvature", [0.0, 0.02, 0.25, -0.4])
+@pytest.mark.parametrize("heading_deg", [0, 60, 150, 270])
+def test_the_branch_from_level_ground_leads_to_the_answer(curvature: float, heading_deg: float) -> None:
+    point = replace(DOCUMENTED, velocity=1.0, curvature=curvature, heading=math.radians(heading_deg))
+    end, x, _ = settled(point)
+    assert end == REACHED
+    assert np.abs(evaluate(point, x)[0]).max() < 1e-10
+    np.testing.assert_allclose(x, root_of(point), rtol=0, atol=1e-8)
+
+
+def test_the_branch_from_level_ground_ends_at_the_same_fold() -> None:
+    assert settled(replace(DOCUMENTED, velocity=4.15))[0] == REACHED
+    end, _, share = settled(replace(DOCUMENTED, velocity=4.2))
+    assert end == GRIP
+    assert 0.9 < share < 1.0
+
+
+def test_no_branch_begins_where_the_ground_resists_more_than_it_carries() -> None:
+    assert settled(replace(SMALL, friction=0.1, resistance=0.2))[0] == GRIP
+
+
 TALL = replace(SMALL, cog_height=0.9, friction=1.5, curvature=0.05, slope=0.45, velocity=0.3)
 
 
@@ -86,7 +115,7 @@ def test_a_branch_ends_before_the_vehicle_tips_over(
     first: OraclePoint, last: dict[str, float], limits: set[int]
 ) -> None:
     # The track that is all but unloaded may fail to hold its share first.
-    end, x, ended = followed(first, **last)
+    end, x, share = followed(first, **last)
     assert end in limits
-    assert abs(ended.heading - last["heading"]) > 0.1
+    assert 0.0 < share < 1.0
     assert np.isfinite(x).all()

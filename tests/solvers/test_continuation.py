@@ -25,6 +25,11 @@ def line(x: Array, parameter: float) -> tuple[Array, Array]:
     return np.array([x[0] - 0.5 - 2.0 * parameter]), np.array([[1.0]])
 
 
+def quarter(x: Array, parameter: float) -> tuple[Array, Array]:
+    """x^2 = 1/4 + 2 l: no fold for l from 0 to 1."""
+    return np.array([x[0] ** 2 - 0.25 - 2.0 * parameter]), np.array([[2.0 * x[0]]])
+
+
 def spiral(x: Array, parameter: float) -> tuple[Array, Array]:
     """Two unknowns, x = (1 + l, l^2) beside a regular factor: no fold."""
     first, second = x[0] - 1.0 - parameter, x[1] - parameter**2
@@ -37,7 +42,8 @@ def border(curve: continuation.Curve, system: System) -> float:
     x, parameter = curve["point"][:-1], float(curve["point"][-1])
     residual, jacobian = system(x, parameter)
     beside, _ = system(x, parameter + continuation.DIFFERENCE)
-    continuation.border(curve, jacobian, residual, beside)
+    continuation.differentiate(curve, residual, beside)
+    continuation.border(curve, jacobian, residual)
     return float(np.abs(residual).max())
 
 
@@ -103,6 +109,22 @@ def test_curve_without_a_fold_reaches_the_end(system: System, x: list[float]) ->
     assert np.abs(residual).max() < 1e-13
 
 
+@pytest.mark.parametrize("system", [line, quarter], ids=["line", "curve"])
+def test_end_is_corrected_at_parameter_one(system: System) -> None:
+    curve = started(system, np.array([0.5]))
+    advance(curve, system, 0.3)
+    assert continuation.way_to_go(curve) == pytest.approx(
+        (1.0 - curve["point"][-1]) * math.hypot(*(curve["tangent"] / curve["tangent"][-1]))
+    )
+    continuation.predict_end(curve)
+    for _ in range(8):
+        if border(curve, system) < 1e-14:
+            break
+        assert continuation.correct(curve)
+    assert curve["point"][-1] == 1.0
+    assert np.abs(system(curve["point"][:-1], 1.0)[0]).max() < 1e-14
+
+
 def test_correction_converges_quadratically() -> None:
     curve = started(circle, np.array([0.5]))
     continuation.predict(curve, 0.2)
@@ -128,7 +150,7 @@ def test_step_back_returns_to_the_last_point() -> None:
 def test_a_curve_that_crosses_itself_has_no_tangent_there() -> None:
     curve = np.zeros(1, continuation.curve(1))[0]
     continuation.start(curve, np.array([0.0]))
-    continuation.border(curve, np.zeros((1, 1)), np.zeros(1), np.zeros(1))
+    continuation.border(curve, np.zeros((1, 1)), np.zeros(1))
     assert not continuation.turn(curve)
-    continuation.border(curve, np.zeros((1, 1)), np.zeros(1), np.zeros(1))
+    continuation.border(curve, np.zeros((1, 1)), np.zeros(1))
     assert not continuation.correct(curve)

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.cell import Solver, evaluate, model_of
+from trackctl.lut.cell import TOLERANCE as SOLVED
+from trackctl.lut.cell import Solver, branch_sign, evaluate, model_of, solve_cold, solve_warm
+from trackctl.lut.swarm_search import no_slip
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, outside_box
-from trackctl.mechanics.operating_point import OperatingPoint, operating_point
+from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.solvers import continuation
 from trackctl.solvers import levenberg_marquardt as lm
 
@@ -19,49 +21,61 @@ Array = NDArray[np.float64]
 #: How a trace ends; a positive end is a code of `trackctl.mechanics.limits`.
 REACHED, LOST = 0, -1
 
-TOLERANCE = 1e-9
+#: Largest residual of the points on the way, which only show where the branch goes; beyond `NEAR_END` they are answers.
+TOLERANCE = 1e-5
+NEAR_END = 0.99
 MOST_STEPS = 120
-MOST_CORRECTIONS = 5
+MOST_CORRECTIONS = 6
 
 
 class Way(NamedTuple):
-    """A straight way through operating points, from parameter 0 to 1, at one slope [rad] and curvature [1/m].
+    """From one operating point to another, from parameter 0 to 1: all five quantities change linearly."""
 
-    Velocities [m/s] and headings [rad] change linearly.
-    """
-
-    slope: float
-    curvature: float
-    first_velocity: float
-    last_velocity: float
-    first_heading: float
-    last_heading: float
+    first: OperatingPoint
+    last: OperatingPoint
 
 
 @kernel
-def point_at(solver: Solver, way: Way, parameter: float) -> OperatingPoint:
+def point_at(way: Way, parameter: float) -> OperatingPoint:
     """Operating point on the way."""
-    velocity = way.first_velocity + parameter * (way.last_velocity - way.first_velocity)
-    heading = way.first_heading + parameter * (way.last_heading - way.first_heading)
-    return operating_point(model_of(solver), way.slope, velocity, way.curvature, heading)
+    a, b = way.first, way.last
+    return OperatingPoint(
+        a.gravity_forward + parameter * (b.gravity_forward - a.gravity_forward),
+        a.gravity_left + parameter * (b.gravity_left - a.gravity_left),
+        a.normal + parameter * (b.normal - a.normal),
+        a.curvature + parameter * (b.curvature - a.curvature),
+        a.centripetal + parameter * (b.centripetal - a.centripetal),
+    )
 
 
 @kernel
-def border(solver: Solver, way: Way, line: continuation.Curve) -> None:
+def balance_at(solver: Solver, way: Way, line: continuation.Curve) -> None:
     """Balance at the curve's point into `solver.work`, and the bordered system."""
-    work, x, parameter = solver.work, line.point[:3], line.point[3]
-    beside = point_at(solver, way, parameter + continuation.DIFFERENCE)
-    evaluate(solver, beside, x, work.trial_residual, work.trial_jacobian)
-    evaluate(solver, point_at(solver, way, parameter), x, work.residual, work.jacobian)
-    continuation.border(line, work.jacobian, work.residual, work.trial_residual)
+    work = solver.work
+    evaluate(solver, point_at(way, line.point[3]), line.point[:3], work.residual, work.jacobian)
+    continuation.border(line, work.jacobian, work.residual)
 
 
 @kernel
-def corrected(solver: Solver, way: Way, line: continuation.Curve) -> bool:
-    """Bring the predicted point back to the branch; the bordered system is that of the point found."""
-    for _ in range(MOST_CORRECTIONS):
-        border(solver, way, line)
-        if lm.is_solved(solver.work, TOLERANCE):
+def differentiate(solver: Solver, way: Way, line: continuation.Curve) -> None:
+    """Derivative of the balance by the parameter at the curve's point."""
+    work, parameter = solver.work, line.point[3]
+    evaluate(solver, point_at(way, parameter), line.point[:3], work.residual, work.jacobian)
+    beside = point_at(way, parameter + continuation.DIFFERENCE)
+    evaluate(solver, beside, line.point[:3], work.trial_residual, work.trial_jacobian)
+    continuation.differentiate(line, work.residual, work.trial_residual)
+
+
+@kernel
+def corrected(solver: Solver, way: Way, line: continuation.Curve, tolerance: float) -> bool:
+    """Bring the predicted point back to the branch; `solver.work` holds the balance there."""
+    differentiate(solver, way, line)
+    for i in range(MOST_CORRECTIONS):
+        if i > 0:
+            balance_at(solver, way, line)
+        else:
+            continuation.border(line, solver.work.jacobian, solver.work.residual)
+        if lm.is_solved(solver.work, tolerance):
             return True
         if not continuation.correct(line):
             return False
@@ -69,50 +83,85 @@ def corrected(solver: Solver, way: Way, line: continuation.Curve) -> bool:
 
 
 @kernel
-def limit_of(solver: Solver, way: Way, line: continuation.Curve) -> int:
-    """The limit that the curve's point exceeds; leaving the physical box is want of grip."""
-    x = line.point[:3]
-    exceeded = exceeded_limit(model_of(solver), point_at(solver, way, line.point[3]), x)
-    if exceeded == ADMISSIBLE and outside_box(x):
-        return GRIP
-    return exceeded
+def turned(solver: Solver, way: Way, line: continuation.Curve) -> bool:
+    """Turn the tangent at the curve's point, whose balance `solver.work` holds; False where the branch has none."""
+    work, parameter = solver.work, line.point[3]
+    beside = point_at(way, parameter + continuation.DIFFERENCE)
+    evaluate(solver, beside, line.point[:3], work.trial_residual, work.trial_jacobian)
+    continuation.differentiate(line, work.residual, work.trial_residual)
+    continuation.border(line, solver.work.jacobian, solver.work.residual)
+    return continuation.turn(line)
+
+
+@kernel
+def limit_at(solver: Solver, way: Way, line: continuation.Curve, otherwise: int) -> int:
+    """The limit exceeded at the curve's point, if any."""
+    exceeded = exceeded_limit(model_of(solver), point_at(way, line.point[3]), line.point[:3])
+    return otherwise if exceeded == ADMISSIBLE else exceeded
 
 
 @kernel
 def follow(solver: Solver, way: Way, x: Array) -> int:
     """Follow the root x from the way's first operating point towards its last.
 
+    The branch may leave the model's limits on the way and come back. It ends at its fold, or at the physical box.
+
     Returns
     -------
     int
-        `REACHED`; or the limit at which the branch ends on the way (a fold is want of grip); or `LOST`. x holds the
-        last root found.
+        `REACHED`; or the limit exceeded where the branch ends (else `GRIP`); or `LOST`. x holds the last root found,
+        within `TOLERANCE`, and `solver.curve.point[3]` the parameter there.
     """
     line = solver.curve
     continuation.start(line, x)
-    border(solver, way, line)
-    if not continuation.turn(line):
+    differentiate(solver, way, line)
+    if not turned(solver, way, line):
         return LOST
     step = continuation.FIRST_STEP
     for _ in range(MOST_STEPS):
         if continuation.has_folded(line):
-            return GRIP
-        step = min(step, (1.0 - line.point[3]) / line.tangent[3])
-        continuation.predict(line, step)
-        if not corrected(solver, way, line):
+            return limit_at(solver, way, line, GRIP)
+        rest = continuation.way_to_go(line)
+        at_end = rest <= step
+        if at_end:
+            continuation.predict_end(line)
+        else:
+            continuation.predict(line, step)
+        tolerance = SOLVED if line.point[3] > NEAR_END else TOLERANCE
+        kept = corrected(solver, way, line, tolerance) and line.point[3] <= 1.0
+        if not kept or (at_end and branch_sign(solver.work.jacobian) <= 0.0):
             continuation.step_back(line)
-            step *= continuation.SHRINK
+            step = continuation.SHRINK * min(step, rest)
             if step < continuation.SMALLEST_STEP:
-                return LOST
+                return limit_at(solver, way, line, LOST)
             continue
         for i in range(3):
             x[i] = line.point[i]
-        exceeded = limit_of(solver, way, line)
-        if exceeded != ADMISSIBLE:
-            return exceeded
-        if line.point[3] >= 1.0 - 1e-9:
+        if outside_box(x):
+            return limit_at(solver, way, line, GRIP)
+        if at_end:
             return REACHED
-        if not continuation.turn(line):
+        if not turned(solver, way, line):
             return LOST
         step = min(continuation.GROW * step, continuation.LARGEST_STEP)
-    return LOST
+    return limit_at(solver, way, line, LOST)
+
+
+@kernel
+def settle(solver: Solver, point: OperatingPoint, x: Array) -> int:
+    """Decide an operating point by following the branch from driving straight on level ground.
+
+    Returns
+    -------
+    int
+        `REACHED`, and x holds the answer and `solver.work` its balance; or the limit exceeded where the branch ends; or
+        `LOST`.
+    """
+    level = OperatingPoint(0.0, 0.0, point.normal, 0.0, 0.0)
+    no_slip(model_of(solver), 0.0, x)
+    if not solve_cold(solver, level, x):
+        return GRIP
+    end = follow(solver, Way(level, point), x)
+    if end != REACHED:
+        return end
+    return REACHED if solve_warm(solver, point, x) else LOST

@@ -16,20 +16,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.branch import REACHED, Way, follow
+from trackctl.lut.branch import LOST, REACHED, Way, follow, settle
 from trackctl.lut.cell import MOST_DIFFERENCES, Solver, model_of, residual_at, solve_warm
 from trackctl.lut.cells import PENDING, Cells
-from trackctl.lut.point import CLEARLY_UNBALANCED, NOT_CONVERGED
+from trackctl.lut.point import NOT_CONVERGED
 from trackctl.lut.swarm_search import no_slip, search
-from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible, surely_admissible
+from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible, surely_admissible
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers.levenberg_marquardt import largest
 from trackctl.solvers.random_stream import stream
 
 Array = NDArray[np.float64]
 
-#: Headings of the first row that start from a swarm.
-SEEDS = 4
+#: Infeasible cells are decided one by one unless they lie between two at most so far apart [rad] for which the branch
+#: from level ground ends so early that it would still do so, did the end move on by `CAUTION` times their difference.
+SPAN = math.radians(8.0)
+CAUTION = 3.0
 
 
 class Column(NamedTuple):
@@ -193,18 +195,6 @@ def easiest_heading(column: Column) -> int:
 
 
 @kernel
-def seed(solver: Solver, column: Column, cells: Cells, row: int, cell: int, x: Array) -> bool:
-    """Solve a pending cell by the swarm; False if it finds no root."""
-    point = point_of(solver, column, row, cell)
-    found, least = search(solver, point, stream(column.seed, row * column.heading.size + cell), x)
-    if found:
-        store(solver, cells, row, cell, point, x)
-    else:
-        cells[row, cell].residual = least
-    return found
-
-
-@kernel
 def bound_row(solver: Solver, column: Column, cells: Cells, row: int) -> int:
     """Mark the cells of a row that are proven infeasible, the others pending; the number of pending cells."""
     model = model_of(solver)
@@ -226,81 +216,101 @@ def bound_row(solver: Solver, column: Column, cells: Cells, row: int) -> int:
 
 
 @kernel
-def follow_into(
-    solver: Solver, column: Column, cells: Cells, row: int, cell: int, from_row: int, from_cell: int, x: Array
-) -> int:
-    """Follow the branch from a solved cell into a pending one: solve that, or return the limit that ends the branch."""
-    here, there = column.heading[from_cell], column.heading[cell]
-    if there - here > math.pi:
-        there -= 2.0 * math.pi
-    elif here - there > math.pi:
-        there += 2.0 * math.pi
-    for i in range(3):
-        x[i] = cells[from_row, from_cell].unknowns[i]
-    way = Way(column.slope, column.curvature, column.velocity[from_row], column.velocity[row], here, there)
-    end = follow(solver, way, x)
+def reach(solver: Solver, column: Column, cells: Cells, row: int, cell: int, x: Array) -> bool:
+    """Follow the branch into a pending cell from neighbours with a root; True if it leads there."""
     point = point_of(solver, column, row, cell)
-    if end == REACHED and solve_warm(solver, point, x):
-        store(solver, cells, row, cell, point, x)
-    return end
-
-
-@kernel
-def spread(column: Column, cells: Cells, row: int, cell: int, direction: int, limit: int) -> None:
-    """Give a limit to a run of pending cells, up to its middle seen from this end."""
-    length = 0
-    here = cell
-    while here >= 0 and length < column.heading.size and cells[row, here].status == PENDING:
-        length += 1
-        here = neighbour(column, here, direction)
-    closed = here >= 0 and has_root(cells, row, here)
-    for _ in range((length + 1) // 2 if closed else length):
-        cells[row, cell].status = limit
-        cell = neighbour(column, cell, direction)
-
-
-@kernel
-def close_gaps(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> bool:
-    """Follow the branch from solved cells into pending neighbours; True if that solved a cell.
-
-    Neighbours are those in heading and the cell of the row below.
-    """
-    for cell in range(column.heading.size):
-        for direction in (1, -1):
-            before = neighbour(column, cell, -direction)
-            if cells[row, cell].status != PENDING or before < 0 or not has_root(cells, row, before):
-                continue
-            end = follow_into(solver, column, cells, row, cell, row, before, x)
-            if has_root(cells, row, cell):
+    for direction in (1, -1):
+        beside = neighbour(column, cell, direction)
+        if beside >= 0 and has_root(cells, row, beside):
+            for i in range(3):
+                x[i] = cells[row, beside].unknowns[i]
+            way = Way(point_of(solver, column, row, beside), point)
+            if follow(solver, way, x) == REACHED and solve_warm(solver, point, x):
+                store(solver, cells, row, cell, point, x)
                 return True
-            if end > 0:
-                spread(column, cells, row, cell, direction, end)
-    for cell in range(column.heading.size):
-        if cells[row, cell].status == PENDING and has_root(cells, row - 1, cell):
-            end = follow_into(solver, column, cells, row, cell, row - 1, cell, x)
-            if has_root(cells, row, cell):
-                return True
-            if end > 0:
-                cells[row, cell].status = end
     return False
 
 
 @kernel
-def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> bool:
-    """Decide one cell that no branch leads to; True if there was one.
-
-    A branch that ended at a lower velocity stays ended; else the swarm searches.
-    """
+def reach_next(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> bool:
+    """Reach a pending cell of the row; False if none can be."""
     for cell in range(column.heading.size):
-        if cells[row, cell].status != PENDING:
-            continue
-        below = cells[row - 1, cell].status if row > 0 else PENDING
-        if below != PENDING and below != ADMISSIBLE and below != NOT_CONVERGED and not has_root(cells, row - 1, cell):
-            cells[row, cell].status = below
-        elif not seed(solver, column, cells, row, cell, x):
-            unbalanced = cells[row, cell].residual > CLEARLY_UNBALANCED
-            cells[row, cell].status = GRIP if unbalanced else NOT_CONVERGED
-        return True
+        if cells[row, cell].status == PENDING and reach(solver, column, cells, row, cell, x):
+            return True
+    return False
+
+
+@kernel
+def fill(solver: Solver, column: Column, cells: Cells, row: int, easiest: int, x: Array) -> None:
+    """Solve the pending cells of a row that its roots, or those below, lead to."""
+    sweep_both_ways(solver, column, cells, row, easiest, x)
+    while reach_next(solver, column, cells, row, x):
+        sweep_both_ways(solver, column, cells, row, easiest, x)
+
+
+@kernel
+def decide(solver: Solver, column: Column, cells: Cells, row: int, cell: int, x: Array) -> bool:
+    """Decide a pending cell by the branch from level ground, by the swarm if that gets lost; True if it has a root."""
+    point = point_of(solver, column, row, cell)
+    end = settle(solver, point, x)
+    if end == LOST:
+        found, _ = search(solver, point, stream(column.seed, row * column.heading.size + cell), x)
+        end = REACHED if found else NOT_CONVERGED
+    if end == REACHED:
+        store(solver, cells, row, cell, point, x)
+    else:
+        cells[row, cell].status = end
+    return end == REACHED
+
+
+@kernel
+def widest_stride(column: Column) -> int:
+    """The largest power of two of cells that `SPAN` holds, or 1."""
+    step = column.heading[1] - column.heading[0] if column.heading.size > 1 else SPAN
+    stride = 1
+    while 2 * stride * step <= SPAN:
+        stride *= 2
+    return stride
+
+
+@kernel
+def lies_between(column: Column, cells: Cells, row: int, cell: int, stride: int, ends: Array) -> bool:
+    """Whether the branch ends alike, well before its way's end, for the cells on either side of a pending one."""
+    before, after = neighbour(column, cell, -stride), neighbour(column, cell, stride)
+    if before < 0 or after < 0:
+        return False
+    farther = max(ends[before], ends[after]) + CAUTION * abs(ends[before] - ends[after])
+    return farther < 1.0 and cells[row, before].status == cells[row, after].status
+
+
+@kernel
+def reopen(cells: Cells, row: int, ends: Array) -> None:
+    """Make the cells pending again that were decided by where the branch from level ground ends."""
+    for cell in range(ends.size):
+        if not math.isnan(ends[cell]):
+            cells[row, cell].status, ends[cell] = PENDING, np.nan
+
+
+@kernel
+def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, easiest: int, ends: Array, x: Array) -> bool:
+    """Decide pending cells at ever smaller strides, until one has a root, which may lead into the others; True then."""
+    count = column.heading.size
+    first = widest_stride(column)
+    stride = first
+    while stride > 0:
+        for k in range(0, count, stride):
+            cell = (easiest + k) % count
+            if cells[row, cell].status != PENDING:
+                continue
+            if stride < first and lies_between(column, cells, row, cell, stride, ends):
+                beside = neighbour(column, cell, stride)
+                cells[row, cell].status, ends[cell] = cells[row, beside].status, ends[beside]
+            elif decide(solver, column, cells, row, cell, x):
+                reopen(cells, row, ends)
+                return True
+            else:
+                ends[cell] = solver.curve.point[3]
+        stride //= 2
     return False
 
 
@@ -318,24 +328,14 @@ def fill_residuals(solver: Solver, column: Column, cells: Cells, row: int, x: Ar
 
 
 @kernel
-def solve_row(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> None:
+def solve_row(solver: Solver, column: Column, cells: Cells, row: int, ends: Array, x: Array) -> None:
     """Decide every cell of a row."""
-    count = column.heading.size
     if bound_row(solver, column, cells, row) > 0:
         easiest = easiest_heading(column)
-        if row == 0:
-            for k in range(SEEDS):
-                cell = (easiest + k * count // SEEDS) % count
-                if cells[row, cell].status == PENDING:
-                    seed(solver, column, cells, row, cell, x)
-        sweep_both_ways(solver, column, cells, row, easiest, x)
-        lost = cells[row, easiest].status == PENDING and not has_root(cells, row - 1, easiest)
-        if lost and seed(solver, column, cells, row, easiest, x):
-            sweep_both_ways(solver, column, cells, row, easiest, x)
-        while close_gaps(solver, column, cells, row, x):
-            sweep_both_ways(solver, column, cells, row, easiest, x)
-        while decide_rest(solver, column, cells, row, x):
-            pass
+        fill(solver, column, cells, row, easiest, x)
+        ends[:] = np.nan
+        while decide_rest(solver, column, cells, row, easiest, ends, x):
+            fill(solver, column, cells, row, easiest, x)
     fill_residuals(solver, column, cells, row, x)
 
 
@@ -353,10 +353,10 @@ def solve_column(memory: NDArray[np.void], column: Column, cells: Cells) -> None
         Receives the answers, shape (n_velocity, n_heading).
     """
     solver = memory[0]
-    x = np.empty(3)
+    x, ends = np.empty(3), np.empty(column.heading.size)
     for row in range(column.velocity.size):
         if row > 0 and column.curvature == 0.0:
             for cell in range(column.heading.size):
                 cells[row, cell] = cells[0, cell]
         else:
-            solve_row(solver, column, cells, row, x)
+            solve_row(solver, column, cells, row, ends, x)

@@ -8,14 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
-from trackctl.lut.branch import REACHED, Way, follow
-from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solve_warm, solver
+from trackctl.lut.branch import LOST, REACHED, settle
+from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solver
 from trackctl.lut.cells import Cells, pending_cells
 from trackctl.lut.swarm_search import SURELY_SMALLEST, no_slip, search
-from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, proven_infeasible
+from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
 from trackctl.mechanics.parameters import TrackModel
-from trackctl.solvers.levenberg_marquardt import largest
 from trackctl.solvers.random_stream import Stream, stream
 
 Array = NDArray[np.float64]
@@ -23,8 +22,6 @@ Array = NDArray[np.float64]
 NOT_CONVERGED = 5
 #: Points that a thread takes at a time.
 BATCH = 64
-#: A point without a root whose least residual lies above this is infeasible; below it, the search has failed.
-CLEARLY_UNBALANCED = 1e-2
 
 
 @kernel
@@ -40,9 +37,9 @@ def solve_point(
 ) -> tuple[int, float]:
     """Solve one operating point; x receives the track speed ratios and the sideslip.
 
-    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`; then the swarm, which may find a root of
-    smaller sideslip where that is large. Where neither finds a root, the branch is followed from standstill: where it
-    ends on the way, the point is infeasible.
+    Levenberg-Marquardt from the no-slip speeds comes first if `try_no_slip`, else the swarm. Where that finds no root,
+    or one of large sideslip, the branch is followed from level ground; where this finds none, either, the swarm is the
+    last to be asked.
 
     Returns
     -------
@@ -52,29 +49,27 @@ def solve_point(
     model = model_of(solver)
     point = operating_point(model, slope, velocity, curvature, heading)
     no_slip(model, curvature, x)
+    least = residual_at(solver, point, x)
     proven = proven_infeasible(model, point)
     if proven != ADMISSIBLE:
-        return proven, residual_at(solver, point, x)
-    known = False
-    if try_no_slip and solve_cold(solver, point, x):
-        if abs(x[2]) < SURELY_SMALLEST:
-            return exceeded_limit(model, point, x), largest(solver.work.residual)
-        known, left, right, sideslip = True, x[0], x[1], x[2]
-    found, least = search(solver, point, draws, x)
-    if known and not (found and abs(x[2]) <= abs(sideslip)):
-        x[0], x[1], x[2] = left, right, sideslip
-        return exceeded_limit(model, point, x), residual_at(solver, point, x)
-    if found:
-        return exceeded_limit(model, point, x), least
-    standing = operating_point(model, slope, 0.0, curvature, heading)
-    no_slip(model, curvature, x)
-    if solve_cold(solver, standing, x) or search(solver, standing, draws, x)[0]:
-        end = follow(solver, Way(slope, curvature, 0.0, velocity, heading, heading), x)
-        if end == REACHED and solve_warm(solver, point, x):
-            return exceeded_limit(model, point, x), largest(solver.work.residual)
-        if end > 0:
-            return end, least
-    return (GRIP if least > CLEARLY_UNBALANCED else NOT_CONVERGED), least
+        return proven, least
+    if try_no_slip:
+        found = solve_cold(solver, point, x)
+    else:
+        found, least = search(solver, point, draws, x)
+    if not found or abs(x[2]) >= SURELY_SMALLEST:
+        left, right, sideslip = x[0], x[1], x[2]
+        end = settle(solver, point, x)
+        if found and not (end == REACHED and abs(x[2]) <= abs(sideslip)):
+            x[0], x[1], x[2] = left, right, sideslip
+        elif not found and end != REACHED:
+            if try_no_slip:
+                found, least = search(solver, point, draws, x)
+            if not found:
+                return (NOT_CONVERGED if end == LOST else end), least
+    # The balance at x, for its tractions.
+    least = residual_at(solver, point, x)
+    return exceeded_limit(model, point, x), least
 
 
 @kernel
