@@ -13,7 +13,7 @@ from oracle import OraclePoint, Triple, default_starts, det_sign, roots
 
 from trackctl.lut.cell import solve_cold, solver
 from trackctl.lut.point import solve_points
-from trackctl.lut.swarm_search import SURELY_SMALLEST, no_slip
+from trackctl.lut.swarm_search import SURELY_SMALLEST, near_no_slip
 from trackctl.lut.table import Status
 from trackctl.mechanics.limits import ADMISSIBLE, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
@@ -218,7 +218,7 @@ def solves_from_no_slip(point: OraclePoint) -> bool:
     """Whether Levenberg-Marquardt alone finds an answer of large sideslip, without any swarm."""
     model, row, x = model_of(point), row_of(point), np.empty(3)
     operating = operating_point(model, *row)
-    no_slip(model, row[2], x)
+    near_no_slip(model, row[2], x)
     if proven_infeasible(model, operating) != ADMISSIBLE:
         return False
     return solve_cold(solver(model)[0], operating, x) and abs(x[2]) >= SURELY_SMALLEST

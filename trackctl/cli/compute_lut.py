@@ -16,7 +16,7 @@ import typer
 from trackctl.cli import options
 from trackctl.cli.first_run import announce_compilation
 from trackctl.cli.progress import bar, say
-from trackctl.cli.ranges import list_of, named_numbers, range_of
+from trackctl.cli.ranges import given_ranges, list_of, named_numbers
 from trackctl.cli.table_report import tell_estimate, tell_shrunk, tell_steps, tell_summary
 from trackctl.errors import UsageError
 
@@ -45,27 +45,9 @@ def compute_lut(
     slope_deg: Annotated[
         str, typer.Option("--slope-deg", metavar="A|A,B|MIN:MAX:STEP", help="Slope angles, below 45.")
     ] = "12.13",
-    velocity_mps: Annotated[
-        str | None,
-        typer.Option(
-            "--velocity-mps",
-            metavar="MIN:MAX",
-            help="Of the mass centre.",
-            show_default="1/20 of the top speed up to it",
-        ),
-    ] = None,
-    radius_m: Annotated[
-        str | None,
-        typer.Option(
-            "--radius-m",
-            metavar="MIN:MAX",
-            help="Of turns; straight driving is always in the table.",
-            show_default="the profile's least turn radius, or 0.6 gauges, to 60 gauges",
-        ),
-    ] = None,
-    heading_deg: Annotated[
-        str, typer.Option("--heading-deg", metavar="MIN:MAX", help="From up-slope, counter-clockwise.")
-    ] = "0:360",
+    velocity_mps: options.VelocityRange = None,
+    radius_m: options.RadiusRange = None,
+    heading_deg: options.HeadingRange = None,
     steps: Annotated[
         str | None,
         typer.Option(
@@ -125,13 +107,7 @@ def compute_lut(
     refuse_contradictions(steps, budget, tolerance)
     carrier, ground = load_vehicle(vehicle), load_terrain(terrain)
     slope = np.radians(list_of(slope_deg, "--slope-deg"))
-    low, high = range_of(heading_deg, "--heading-deg")
-    ranges = ranges_within(
-        carrier,
-        velocity=None if velocity_mps is None else range_of(velocity_mps, "--velocity-mps"),
-        radius=None if radius_m is None else range_of(radius_m, "--radius-m"),
-        heading=(math.radians(low), math.radians(high)),
-    )
+    ranges = ranges_within(carrier, **given_ranges(velocity_mps, radius_m, heading_deg))
     blank = new_request(carrier, ground, gravity_mps2, slope, ranges, seeding.value, seed)
     made = provenance(sys.argv[1:])
     if not dry_run:

@@ -71,6 +71,30 @@ Gravity = Annotated[
     float,
     typer.Option("--gravity-mps2", metavar="FLOAT", help="Gravity, above 0, up to 100.", callback=_checked_gravity),
 ]
+VelocityRange = Annotated[
+    str | None,
+    typer.Option(
+        "--velocity-mps",
+        metavar="MIN:MAX",
+        help="Of the mass centre.",
+        show_default="1/20 of the top speed up to it",
+    ),
+]
+RadiusRange = Annotated[
+    str | None,
+    typer.Option(
+        "--radius-m",
+        metavar="MIN:MAX",
+        help="Of turns; straight driving is always in a table.",
+        show_default="the profile's least turn radius, or 0.6 gauges, to 60 gauges",
+    ),
+]
+HeadingRange = Annotated[
+    str | None,
+    typer.Option(
+        "--heading-deg", metavar="MIN:MAX", help="From up-slope, counter-clockwise.", show_default="the full circle"
+    ),
+]
 Seed = Annotated[int, typer.Option("--seed", min=0, max=2**63 - 1, help="Seed of all random numbers.")]
 Jobs = Annotated[
     int,

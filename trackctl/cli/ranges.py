@@ -63,3 +63,15 @@ def named_numbers(text: str, names: tuple[str, ...], option: str) -> dict[str, f
     if len(found) != len(names):
         raise UsageError(option, text, allowed)
     return found
+
+
+def given_ranges(
+    velocity: str | None, radius: str | None, heading_deg: str | None
+) -> dict[str, tuple[float, float] | None]:
+    """The ranges typed by the names of `ranges_within`, in m/s, m and rad; None where none was typed."""
+    heading = None if heading_deg is None else range_of(heading_deg, "--heading-deg")
+    return {
+        "velocity": None if velocity is None else range_of(velocity, "--velocity-mps"),
+        "radius": None if radius is None else range_of(radius, "--radius-m"),
+        "heading": None if heading is None else (math.radians(heading[0]), math.radians(heading[1])),
+    }

@@ -11,7 +11,7 @@ from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
 from trackctl.cli.first_run import announce_compilation
 from trackctl.cli.progress import bar, say
-from trackctl.cli.ranges import range_of
+from trackctl.cli.ranges import given_ranges
 
 if TYPE_CHECKING:
     from trackctl.files.csv_writer import Column
@@ -25,27 +25,9 @@ def sensitivity(
     terrain: options.Terrain = options.DEFAULT_TERRAIN,
     gravity_mps2: options.Gravity = options.DEFAULT_GRAVITY,
     slope_deg: Annotated[float, typer.Option("--slope-deg", help="Slope angle, below 45.")] = 12.13,
-    velocity_mps: Annotated[
-        str | None,
-        typer.Option(
-            "--velocity-mps",
-            metavar="MIN:MAX",
-            help="Of the mass centre.",
-            show_default="1/20 of the top speed up to it",
-        ),
-    ] = None,
-    radius_m: Annotated[
-        str | None,
-        typer.Option(
-            "--radius-m",
-            metavar="MIN:MAX",
-            help="Of left turns.",
-            show_default="the profile's least turn radius, or 0.6 gauges, to 60 gauges",
-        ),
-    ] = None,
-    heading_deg: Annotated[
-        str, typer.Option("--heading-deg", metavar="MIN:MAX", help="From up-slope, counter-clockwise.")
-    ] = "0:360",
+    velocity_mps: options.VelocityRange = None,
+    radius_m: options.RadiusRange = None,
+    heading_deg: options.HeadingRange = None,
     samples: Annotated[int, typer.Option("--samples", min=1, help="Operating points to solve.")] = 4096,
     slices: Annotated[int, typer.Option("--slices", help="Of each input's range, 2 or more.")] = 10,
     resamples: Annotated[int, typer.Option("--resamples", help="For the intervals and the dummy.")] = 1000,
@@ -76,13 +58,7 @@ def sensitivity(
     destination = CsvOutput(output, force, as_json)
     destination.check()
     carrier = load_vehicle(vehicle)
-    low, high = range_of(heading_deg, "--heading-deg")
-    ranges = ranges_within(
-        carrier,
-        velocity=None if velocity_mps is None else range_of(velocity_mps, "--velocity-mps"),
-        radius=None if radius_m is None else range_of(radius_m, "--radius-m"),
-        heading=(math.radians(low), math.radians(high)),
-    )
+    ranges = ranges_within(carrier, **given_ranges(velocity_mps, radius_m, heading_deg))
     request = SensitivityRequest(
         carrier,
         load_terrain(terrain),

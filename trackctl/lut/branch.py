@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from trackctl.compiled import kernel
 from trackctl.lut.cell import TOLERANCE as SOLVED
 from trackctl.lut.cell import Solver, branch_sign, evaluate, model_of, solve_cold, solve_warm
-from trackctl.lut.swarm_search import no_slip
+from trackctl.lut.swarm_search import near_no_slip
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.solvers import continuation
@@ -158,7 +158,7 @@ def settle(solver: Solver, point: OperatingPoint, x: Array) -> int:
         `LOST`.
     """
     level = OperatingPoint(0.0, 0.0, point.normal, 0.0, 0.0)
-    no_slip(model_of(solver), 0.0, x)
+    near_no_slip(model_of(solver), 0.0, x)
     if not solve_cold(solver, level, x):
         return GRIP
     end = follow(solver, Way(level, point), x)

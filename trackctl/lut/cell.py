@@ -74,11 +74,7 @@ SOLVER = np.dtype(
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
         ("curve", curve(3)),
-        (
-            "difference",
-            np.float64,
-            (MOST_DIFFERENCES + 1, 3),
-        ),  # backward differences of the last roots along a row
+        ("difference", np.float64, (MOST_DIFFERENCES + 1, 3)),  # backward differences of the last roots along a row
     ],
     align=True,
 )

@@ -1,10 +1,10 @@
 """A column of a table: all velocities and headings at one slope and curvature, solved by continuation.
 
 A column depends on no other, so a table's cells do not depend on how columns are dealt to workers. Within it a row is
-one velocity. The first row starts from swarms at a few headings; a row goes round the headings both ways, each cell
-started by extrapolating its neighbours, or from the row below. Where the branch ends between two cells, it is followed
-to the fold or limit that ends it: that is the evidence that the cells beyond are infeasible. Only where there is none,
-the swarm decides.
+one velocity. A row goes round the headings both ways, each cell started by extrapolating its neighbours, or from the
+row below; a gap next to a root is entered by following the branch. What that leaves is decided by following the branch
+from level ground: to a root, which leads on into its neighbours, or to the fold or limit that ends it, which is the
+evidence that the cell is infeasible. Only where the branch gets lost, the swarm decides.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from trackctl.lut.branch import LOST, REACHED, Way, follow, settle
 from trackctl.lut.cell import MOST_DIFFERENCES, Solver, model_of, residual_at, solve_warm
 from trackctl.lut.cells import PENDING, Cells
 from trackctl.lut.point import NOT_CONVERGED
-from trackctl.lut.swarm_search import no_slip, search
+from trackctl.lut.swarm_search import near_no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible, surely_admissible
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers.levenberg_marquardt import largest
@@ -280,7 +280,7 @@ def lies_between(column: Column, cells: Cells, row: int, cell: int, stride: int,
     if before < 0 or after < 0:
         return False
     farther = max(ends[before], ends[after]) + CAUTION * abs(ends[before] - ends[after])
-    return farther < 1.0 and cells[row, before].status == cells[row, after].status
+    return bool(farther < 1.0 and cells[row, before].status == cells[row, after].status)
 
 
 @kernel
@@ -317,7 +317,7 @@ def decide_rest(solver: Solver, column: Column, cells: Cells, row: int, easiest:
 @kernel
 def fill_residuals(solver: Solver, column: Column, cells: Cells, row: int, x: Array) -> None:
     """Residual of the cells that were never evaluated, at the nearest root before them, or without slip."""
-    no_slip(model_of(solver), column.curvature, x)
+    near_no_slip(model_of(solver), column.curvature, x)
     for cell in range(column.heading.size):
         if has_root(cells, row, cell):
             for i in range(3):

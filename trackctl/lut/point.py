@@ -11,7 +11,7 @@ from trackctl.compiled import kernel
 from trackctl.lut.branch import LOST, REACHED, settle
 from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solver
 from trackctl.lut.cells import Cells, pending_cells
-from trackctl.lut.swarm_search import SURELY_SMALLEST, no_slip, search
+from trackctl.lut.swarm_search import SURELY_SMALLEST, near_no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
 from trackctl.mechanics.parameters import TrackModel
@@ -48,7 +48,7 @@ def solve_point(
     """
     model = model_of(solver)
     point = operating_point(model, slope, velocity, curvature, heading)
-    no_slip(model, curvature, x)
+    near_no_slip(model, curvature, x)
     least = residual_at(solver, point, x)
     proven = proven_infeasible(model, point)
     if proven != ADMISSIBLE:

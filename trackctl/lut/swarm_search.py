@@ -48,7 +48,7 @@ def no_slip_speed(model: TrackModel, curvature: float, track: int) -> float:
 
 
 @kernel
-def no_slip(model: TrackModel, curvature: float, x: Array) -> None:
+def near_no_slip(model: TrackModel, curvature: float, x: Array) -> None:
     """Track speed ratios with hardly any slip, and no sideslip, into x.
 
     Without any, a track on a straight line would not slide at all, and the direction of its shear would be undefined.
