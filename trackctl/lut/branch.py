@@ -5,11 +5,22 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numba import carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import kernel, linked
+from trackctl.lut.cell import (
+    DOUBLES,
+    POINT_SIZE,
+    SOLVER,
+    Solver,
+    branch_sign,
+    evaluate,
+    model_of,
+    solve_cold,
+    solve_warm,
+)
 from trackctl.lut.cell import TOLERANCE as SOLVED
-from trackctl.lut.cell import Solver, branch_sign, evaluate, model_of, solve_cold, solve_warm
 from trackctl.lut.swarm_search import near_no_slip
 from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
@@ -101,17 +112,8 @@ def limit_at(solver: Solver, way: Way, line: continuation.Curve, otherwise: int)
 
 
 @kernel
-def follow(solver: Solver, way: Way, x: Array) -> int:
-    """Follow the root x from the way's first operating point towards its last.
-
-    The branch may leave the model's limits on the way and come back. It ends at its fold, or at the physical box.
-
-    Returns
-    -------
-    int
-        `REACHED`; or the limit exceeded where the branch ends (else `GRIP`); or `LOST`. x holds the last root found,
-        within `TOLERANCE`, and `solver.curve.point[3]` the parameter there.
-    """
+def trace(solver: Solver, way: Way, x: Array) -> int:
+    """`follow`, compiled into each of its callers."""
     line = solver.curve
     continuation.start(line, x)
     differentiate(solver, way, line)
@@ -145,6 +147,33 @@ def follow(solver: Solver, way: Way, x: Array) -> int:
             return LOST
         step = min(continuation.GROW * step, continuation.LARGEST_STEP)
     return limit_at(solver, way, line, LOST)
+
+
+@linked(types.int64(types.voidptr, DOUBLES, DOUBLES))
+def linked_trace(memory, ends, unknowns):  # type: ignore[no-untyped-def]
+    """`trace` by address; `ends` are the fields of the way's operating points."""
+    e = carray(ends, 2 * POINT_SIZE)
+    way = Way(OperatingPoint(e[0], e[1], e[2], e[3], e[4]), OperatingPoint(e[5], e[6], e[7], e[8], e[9]))
+    return trace(carray(memory, 1, SOLVER)[0], way, carray(unknowns, 3))
+
+
+@kernel
+def follow(solver: Solver, way: Way, x: Array) -> int:
+    """Follow the root x from the way's first operating point towards its last.
+
+    The branch may leave the model's limits on the way and come back. It ends at its fold, or at the physical box.
+
+    Returns
+    -------
+    int
+        `REACHED`; or the limit exceeded where the branch ends (else `GRIP`); or `LOST`. x holds the last root found,
+        within `TOLERANCE`, and `solver.curve.point[3]` the parameter there.
+    """
+    for i, value in enumerate(way.first):
+        solver.way[i] = value
+    for i, value in enumerate(way.last):
+        solver.way[POINT_SIZE + i] = value
+    return int(linked_trace(solver.numbers.ctypes, solver.way.ctypes, x.ctypes))
 
 
 @kernel

@@ -63,7 +63,8 @@ PARTICLES = 16
 MOST_DIFFERENCES = 7
 SOLVER = np.dtype(
     [
-        ("numbers", np.float64, MODEL_SIZE + POINT_SIZE),  # of the model, then of the operating point
+        ("numbers", np.float64, MODEL_SIZE + POINT_SIZE),  # of the model, then of the operating point; first, so that
+        # its address is the record's
         ("coarse", np.bool_),  # whether the balance is the swarm's
         ("lower", np.float64, 3),  # physical box of the unknowns
         ("upper", np.float64, 3),
@@ -71,9 +72,11 @@ SOLVER = np.dtype(
         ("work", workspace(3)),  # holds the balance of the last solution
         ("flock", swarm(PARTICLES, 3)),
         ("root", np.float64, 3),  # best of a search
+        ("least", np.float64, 1),  # least residual that it met
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
         ("curve", curve(3)),
+        ("way", np.float64, 2 * POINT_SIZE),  # first and last operating point of the curve
         ("difference", np.float64, (MOST_DIFFERENCES + 1, 3)),  # backward differences of the last roots along a row
     ],
     align=True,
@@ -97,18 +100,25 @@ def model_of(solver: Solver) -> TrackModel:
 
 
 @kernel
-def evaluate(solver: Solver, point: OperatingPoint, x: Array, residual: Array, jacobian: Array) -> None:
-    """Balance at x."""
+def set_point(solver: Solver, point: OperatingPoint) -> None:
+    """Make an operating point the one to be balanced."""
     for i, value in enumerate(point):
         solver.numbers[MODEL_SIZE + i] = value
+
+
+@kernel
+def balance_there(solver: Solver, x: Array, residual: Array, jacobian: Array) -> None:
+    """Balance at x of the operating point that was set."""
     linked_balance(
-        solver.numbers.ctypes,
-        solver.coarse,
-        x.ctypes,
-        residual.ctypes,
-        jacobian.ctypes,
-        solver.traction.ctypes,
+        solver.numbers.ctypes, solver.coarse, x.ctypes, residual.ctypes, jacobian.ctypes, solver.traction.ctypes
     )
+
+
+@kernel
+def evaluate(solver: Solver, point: OperatingPoint, x: Array, residual: Array, jacobian: Array) -> None:
+    """Balance at x."""
+    set_point(solver, point)
+    balance_there(solver, x, residual, jacobian)
 
 
 @kernel
@@ -119,28 +129,38 @@ def residual_at(solver: Solver, point: OperatingPoint, x: Array) -> float:
 
 
 @kernel
-def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) -> tuple[bool, int]:
-    """Levenberg-Marquardt from x, which is improved in place.
-
-    Returns
-    -------
-    tuple of bool and int
-        Whether the tolerance was met, and the evaluations used; `solver.work` holds the balance at x.
-    """
+def improve(solver: Solver, x: Array, effort: Effort) -> bool:
+    """Levenberg-Marquardt from x, in place, for the operating point that was set."""
     work = solver.work
-    evaluate(solver, point, x, work.residual, work.jacobian)
+    balance_there(solver, x, work.residual, work.jacobian)
     evaluations = 1
     damping = 0.0
     while not lm.is_solved(work, effort.tolerance):
         if evaluations >= effort.evaluations or damping > lm.LARGEST_DAMPING:
-            return False, evaluations
+            return False
         if lm.propose(x, damping, solver.lower, solver.upper, work):
-            evaluate(solver, point, work.trial, work.trial_residual, work.trial_jacobian)
+            balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian)
             evaluations += 1
             damping = lm.judge(x, damping, work)
         else:
             damping = lm.more_damping(damping)
-    return True, evaluations
+    return True
+
+
+@linked(types.int64(types.voidptr, DOUBLES, types.float64, types.int64))
+def linked_improve(memory, unknowns, tolerance, evaluations):  # type: ignore[no-untyped-def]
+    """`improve` by address."""
+    return int(improve(carray(memory, 1, SOLVER)[0], carray(unknowns, 3), Effort(tolerance, evaluations)))
+
+
+@kernel
+def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) -> bool:
+    """Levenberg-Marquardt from x, which is improved in place; whether the tolerance was met.
+
+    `solver.work` holds the balance at x.
+    """
+    set_point(solver, point)
+    return bool(linked_improve(solver.numbers.ctypes, x.ctypes, effort.tolerance, effort.evaluations))
 
 
 @kernel
@@ -163,12 +183,12 @@ def is_answer(solver: Solver, x: Array) -> bool:
 @kernel
 def solve_warm(solver: Solver, point: OperatingPoint, x: Array) -> bool:
     """Solve from a start near the root; True if the root found is the answer."""
-    solved, _ = solve_from(solver, point, x, WARM)
+    solved = solve_from(solver, point, x, WARM)
     return solved and is_answer(solver, x)
 
 
 @kernel
 def solve_cold(solver: Solver, point: OperatingPoint, x: Array) -> bool:
     """Solve from a start that may be far from the root; True if the root found is the answer."""
-    solved, _ = solve_from(solver, point, x, COLD)
+    solved = solve_from(solver, point, x, COLD)
     return solved and is_answer(solver, x)

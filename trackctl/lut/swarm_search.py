@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numba import carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import kernel, linked
 from trackctl.lut.cell import (
+    DOUBLES,
     PARTICLES,
+    SOLVER,
     TOLERANCE,
     Effort,
     Solver,
@@ -17,6 +20,7 @@ from trackctl.lut.cell import (
     is_answer,
     model_of,
     residual_at,
+    set_point,
     solve_from,
 )
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
@@ -27,6 +31,8 @@ from trackctl.solvers import particle_swarm as pso
 from trackctl.solvers.random_stream import Stream
 
 Array = NDArray[np.float64]
+
+BITS = types.CPointer(types.uint64)  # type: ignore[no-untyped-call]
 
 SETTINGS = pso.Settings(iterations=10, first_inertia=0.9, last_inertia=0.3, cognitive=1.5, social=1.5)
 #: Most particles that Levenberg-Marquardt starts from, best first.
@@ -105,14 +111,8 @@ def take_cheapest(cost: Array) -> int:
 
 
 @kernel
-def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> tuple[bool, float]:
-    """PSO-LM: the root on the branch that goes on from low speed, wherever it lies in the physical box.
-
-    Returns
-    -------
-    tuple of bool and float
-        Whether it was found (x holds it, the solver's memory its balance), and the least residual met.
-    """
+def fly_and_improve(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> tuple[bool, float]:
+    """`search`, compiled into each of its callers."""
     solver.coarse = True
     fly(solver, point, stream, x)
     least, smallest = np.inf, np.inf
@@ -122,7 +122,7 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
         solver.coarse = True
         solve_from(solver, point, x, APPROACH)
         solver.coarse = False
-        solved, _ = solve_from(solver, point, x, POLISH)
+        solved = solve_from(solver, point, x, POLISH)
         least = min(least, lm.largest(solver.work.residual))
         if solved and is_answer(solver, x) and abs(x[2]) < smallest:
             smallest = abs(x[2])
@@ -135,3 +135,27 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
     for i in range(3):
         x[i] = root[i]
     return True, residual_at(solver, point, x)
+
+
+@linked(types.int64(types.voidptr, BITS, DOUBLES, DOUBLES))
+def linked_search(memory, stream, unknowns, least):  # type: ignore[no-untyped-def]
+    """`fly_and_improve` by address, for the operating point that was set; `least` receives the least residual."""
+    solver = carray(memory, 1, SOLVER)[0]
+    n = solver.numbers
+    point = OperatingPoint(n[10], n[11], n[12], n[13], n[14])
+    found, carray(least, 1)[0] = fly_and_improve(solver, point, carray(stream, 1), carray(unknowns, 3))
+    return int(found)
+
+
+@kernel
+def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> tuple[bool, float]:
+    """PSO-LM: the root on the branch that goes on from low speed, wherever it lies in the physical box.
+
+    Returns
+    -------
+    tuple of bool and float
+        Whether it was found (x holds it, the solver's memory its balance), and the least residual met.
+    """
+    set_point(solver, point)
+    found = linked_search(solver.numbers.ctypes, stream.ctypes, x.ctypes, solver.least.ctypes)
+    return bool(found), float(solver.least[0])
