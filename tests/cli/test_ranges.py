@@ -34,7 +34,21 @@ def test_wrong_ranges_are_refused(text):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "0:10", "10:0:1", "0:10:0", "0:10:-1", "5,5", "10,5", "1,,2", "nan", "0:10:1e-9", "0:10:nan"]
+    "text",
+    [
+        "",
+        "0:10",
+        "10:0:1",
+        "0:10:0",
+        "0:10:-1",
+        "5,5",
+        "10,5",
+        "1,,2",
+        "nan",
+        "0:10:1e-9",
+        "0:1e308:1e-308",
+        "0:10:nan",
+    ],
 )
 def test_wrong_lists_are_refused(text):
     with pytest.raises(UsageError, match=r"--slope-deg: .* is not allowed"):

@@ -22,6 +22,7 @@ from trackctl.cli.info import info
 from trackctl.cli.lookup import lookup
 from trackctl.cli.registration import add_command, help_texts
 from trackctl.cli.sensitivity import sensitivity
+from trackctl.cli.sweep import sweep
 from trackctl.errors import NoAnswerError, TrackctlError
 
 NO_ANSWER = 1
@@ -29,7 +30,7 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 
 #: One function per command, in the order of the help.
-COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity)
+COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity, sweep)
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
 

@@ -33,8 +33,8 @@ def range_of(text: str, option: str) -> tuple[float, float]:
     return low, high
 
 
-def list_of(text: str, option: str) -> list[float]:
-    """``A``, ``A,B,C`` or ``MIN:MAX:STEP``, ascending."""
+def list_of(text: str, option: str, most: int = MOST_SLOPES) -> list[float]:
+    """``A``, ``A,B,C`` or ``MIN:MAX:STEP`` of at most so many values, ascending."""
     allowed = "a number, a list A,B,C in ascending order, or MIN:MAX:STEP"
     if ":" not in text:
         values = [number(part, option, allowed) for part in text.split(",")]
@@ -42,10 +42,10 @@ def list_of(text: str, option: str) -> list[float]:
         parts = [number(part, option, allowed) for part in text.split(":")]
         if len(parts) != 3 or parts[2] <= 0.0 or parts[1] < parts[0]:
             raise UsageError(option, text, allowed)
-        count = math.floor((parts[1] - parts[0]) / parts[2] + 1e-9) + 1
-        if count > MOST_SLOPES:
-            raise UsageError(option, text, f"at most {MOST_SLOPES} values")
-        values = [parts[0] + k * parts[2] for k in range(count)]
+        steps = (parts[1] - parts[0]) / parts[2] + 1e-9
+        if steps >= most:
+            raise UsageError(option, text, f"at most {most} values")
+        values = [parts[0] + k * parts[2] for k in range(math.floor(steps) + 1)]
     if any(second <= first for first, second in pairwise(values)):
         raise UsageError(option, text, allowed)
     return values
