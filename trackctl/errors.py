@@ -105,5 +105,23 @@ class OutputError(TrackctlError):
         super().__init__(f"{file}: {problem}")
 
 
+class MissingLibraryError(TrackctlError):
+    """A library is not installed that a command needs and others do not.
+
+    Parameters
+    ----------
+    library
+        Its name.
+    purpose
+        What it is needed for, as a phrase.
+    command
+        What installs it.
+    """
+
+    def __init__(self, library: str, purpose: str, command: str) -> None:
+        self.library = library
+        super().__init__(f"{purpose} needs {library}, which is not installed; to install it: {command}")
+
+
 class NoAnswerError(TrackctlError):
     """The question was well put and has no answer (exit code 1)."""

@@ -111,8 +111,13 @@ def check_is_hdf5(path: Path) -> None:
         raise LutFormatError(path, f"cannot be read: {error.strerror}") from error
     if is_empty:
         raise LutFormatError(path, "is empty; `trackctl compute-lut` writes a table")
-    if not h5py.is_hdf5(path):
+    if not is_hdf5(path):
         raise LutFormatError(path, "is no HDF5 file; `trackctl compute-lut` writes a table")
+
+
+def is_hdf5(path: Path) -> bool:
+    """Whether a path is a file that HDF5 would open."""
+    return path.is_file() and bool(h5py.is_hdf5(path))
 
 
 def check_version(path: Path, file: h5py.File) -> None:

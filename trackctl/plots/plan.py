@@ -1,0 +1,125 @@
+"""Picture of a planned trajectory: path on its map, speeds, commands, slips."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.transforms import Affine2D
+from numpy.typing import NDArray
+
+from trackctl.plots import style
+from trackctl.plots.style import Array, Columns
+
+#: Poses of the body that are marked along a path.
+POSES = 25
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapImage:
+    """A map to lay under a path.
+
+    Attributes
+    ----------
+    lightness : ndarray, shape (n_rows, n_columns)
+        0 occupied to 1 free, the top row first.
+    resolution
+        Width of a pixel. [m]
+    origin
+        x [m], y [m] and yaw [rad] of the lower left corner.
+    """
+
+    lightness: Array
+    resolution: float
+    origin: tuple[float, float, float]
+
+
+def draw_plan(columns: Columns, ground: MapImage | None = None) -> Figure:
+    """The path, with the body's heading, and over time what the tracks are told and do.
+
+    Parameters
+    ----------
+    columns
+        `time`, `x`, `y`, `yaw`, `velocity`, `sprocket_rate_left` and `_right`, `sideslip`, `slip_left` and `_right`,
+        `segment`. [SI]
+    ground
+        The map, if there is one.
+    """
+    figure = style.page("Planned trajectory", 3, 6.2)
+    path, legend, (speed, rates, slips, sideslip) = style.path_beside_times(figure, 4)
+    time = columns["time"]
+    draw_path(path, columns, ground)
+    style.caption(path, 0, "Path of the mass centre")
+    style.legend_apart(legend, path)
+    speed.plot(time, columns["velocity"], color=style.BLACK)
+    style.both_tracks(rates, time, columns, "sprocket_rate")
+    style.both_tracks(slips, time, columns, "slip", 100.0)
+    sideslip.plot(time, np.degrees(columns["sideslip"]), color=style.BLACK)
+    texts = (
+        (speed, "Speed", "Speed [m/s]"),
+        (rates, "Sprocket commands", "Rate [rad/s]"),
+        (slips, "Slips, above 0 driving", "Slip [%]"),
+        (sideslip, "Sideslip", "Angle [°]"),
+    )
+    for number, (axes, text, label) in enumerate(texts, start=1):
+        style.caption(axes, number, text)
+        axes.set_ylabel(label)
+        for border in segment_borders(columns):
+            axes.axvline(time[border], **style.REFERENCE)
+    sideslip.set_xlabel("Time [s]")
+    style.legend_below(figure, rates.get_lines()[:2])
+    return figure
+
+
+def draw_path(axes: Axes, columns: Columns, ground: MapImage | None) -> None:
+    """The path on its map, with start, goal, the body's heading, and where segments meet."""
+    if ground is not None:
+        draw_map(axes, ground)
+    x, y, yaw = columns["x"], columns["y"], columns["yaw"]
+    axes.plot(x, y, color=style.BLUE, label="path")
+    marked = np.unique(np.linspace(0, x.size - 1, POSES).round().astype(int))
+    axes.quiver(
+        x[marked],
+        y[marked],
+        np.cos(yaw[marked]),
+        np.sin(yaw[marked]),
+        color=style.VERMILION,
+        width=0.004,
+        scale=25.0,
+        zorder=3,
+        label="heading of the body",
+    )
+    axes.plot(x[0], y[0], color=style.BLACK, marker="o", markersize=6, linestyle="", label="start")
+    axes.plot(x[-1], y[-1], color=style.BLACK, marker="*", markersize=9, linestyle="", label="goal")
+    borders = segment_borders(columns)
+    if borders.size:
+        axes.plot(x[borders], y[borders], color=style.GREY, marker="|", linestyle="", label="end of a segment")
+    style.plan_view(axes)
+
+
+def draw_map(axes: Axes, ground: MapImage) -> None:
+    """A map, occupied dark, in its place."""
+    rows, columns = ground.lightness.shape
+    x, y, yaw = ground.origin
+    image = axes.imshow(
+        ground.lightness,
+        cmap="gray",
+        vmin=0.0,
+        vmax=1.0,
+        extent=(0.0, columns * ground.resolution, 0.0, rows * ground.resolution),
+        interpolation="nearest",
+    )
+    place = Affine2D().rotate(yaw).translate(x, y)
+    image.set_transform(place + axes.transData)
+    width, height = columns * ground.resolution, rows * ground.resolution
+    corners = place.transform([(0.0, 0.0), (width, 0.0), (width, height), (0.0, height)])
+    axes.update_datalim(corners)
+    axes.autoscale()
+    axes.grid(False)
+
+
+def segment_borders(columns: Columns) -> NDArray[np.intp]:
+    """Rows at which a new segment begins, but the first."""
+    return np.flatnonzero(np.diff(columns["segment"]) != 0.0) + 1

@@ -1,0 +1,20 @@
+"""Figures as files: the same figure gives the same bytes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+#: What each kind of file would tell of the time and the program that wrote it.
+TIMELESS: dict[str, dict[str, None]] = {
+    ".png": {"Software": None},
+    ".svg": {"Date": None, "Creator": None},
+    ".pdf": {"CreationDate": None, "Producer": None, "Creator": None},
+}
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in the format of the path's suffix, one of `TIMELESS`, within the style that it was drawn in."""
+    suffix = path.suffix.lower()
+    figure.savefig(path, format=suffix[1:], metadata=TIMELESS[suffix])
