@@ -19,6 +19,7 @@ BARS: dict[Statistic, dict[str, Any]] = {
     Statistic.MAX: {"facecolor": "#F2F2F2", "hatch": style.HATCHES[0]},
 }
 WIDTH = 0.36
+INTERVAL: dict[str, Any] = {"linestyle": "", "elinewidth": 0.9}
 DUMMY: dict[str, Any] = {"color": style.VERMILION, "linestyle": (0, (3, 1)), "linewidth": 1.4}
 
 
@@ -32,7 +33,7 @@ def draw_sensitivity(indices: Sequence[PawnIndex]) -> Figure:
         style.caption(axes, number, words(output))
     grid[0].set_ylabel("Index [–]")
     bars = [Patch(edgecolor=style.BLACK, label=f"{each} over the slices", **BARS[each]) for each in Statistic]
-    interval = Line2D([], [], color=style.BLACK, marker="$I$", markersize=7, linestyle="", label="confidence interval")
+    interval = grid[0].containers[-1]
     dummy = Line2D([], [], label="dummy threshold", **DUMMY)
     style.legend_below(figure, [*bars, interval, dummy])
     return figure
@@ -46,7 +47,7 @@ def draw_output(axes: Axes, indices: list[PawnIndex]) -> None:
         place = inputs.index(index.input) + offset * WIDTH
         reach = np.maximum([[index.index - index.ci_low], [index.ci_high - index.index]], 0.0)
         axes.bar(place, index.index, WIDTH, edgecolor=style.BLACK, linewidth=0.6, **BARS[index.statistic])
-        axes.errorbar(place, index.index, reach, color=style.BLACK, capsize=3, linewidth=0.9)
+        axes.errorbar(place, index.index, reach, color=style.BLACK, capsize=3, label="confidence interval", **INTERVAL)
         ends = [place - 0.5 * WIDTH, place + 0.5 * WIDTH]
         axes.plot(ends, [index.dummy, index.dummy], label="_dummy", **DUMMY)
     axes.set_xticks(range(len(inputs)), [words(name) for name in inputs])

@@ -18,6 +18,8 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+#: What the drawing functions return.
+Picture = Figure
 #: Columns of a file in SI by their names without unit.
 Columns = Mapping[str, Array]
 
@@ -129,7 +131,7 @@ def legend_apart(place: Axes, axes: Axes) -> None:
 
 def caption(axes: Axes, number: int, text: str) -> None:
     """Title of a panel: (a), (b), ... and what it shows."""
-    axes.set_title(f"({chr(ord('a') + number)}) {text}")
+    axes.set_title(f"({chr(ord('a') + number)}) {text}", loc="left")
 
 
 def series(number: int) -> dict[str, Any]:
@@ -165,10 +167,15 @@ def compass(axes: PolarAxes) -> None:
 
 def legend_below(figure: Figure, handles: Sequence[Any]) -> None:
     """One legend for all panels of a page, in as many columns as fit."""
-    longest = max(len(str(handle.get_label())) for handle in handles)
-    columns = int(POINTS_PER_INCH * PAGE_WIDTH / (HANDLE_WIDTH + LETTER_WIDTH * longest))
-    columns = max(min(columns, len(handles)), 1)
+    lengths = [len(str(handle.get_label())) for handle in handles]
+    columns = next((count for count in range(len(handles), 1, -1) if legend_width(lengths, count) <= PAGE_WIDTH), 1)
     figure.legend(handles=handles, loc="outside lower center", ncols=columns, frameon=False)
+
+
+def legend_width(lengths: Sequence[int], columns: int) -> float:
+    """Width of a legend whose labels, so many letters long, are dealt to columns. [in]"""
+    longest = [max(part) for part in np.array_split(np.asarray(lengths), columns)]
+    return (columns * HANDLE_WIDTH + LETTER_WIDTH * float(sum(longest))) / POINTS_PER_INCH
 
 
 def plan_view(axes: Axes) -> None:

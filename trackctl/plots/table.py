@@ -83,7 +83,7 @@ def draw_surface(axes: Any, table: Table, rates: Array) -> None:
         shadow = np.broadcast_to(mpl.colors.to_rgba(style.GREY), colours.shape)
         axes.plot_surface(x, y, np.where(gap, floor, np.nan), facecolors=shadow, linewidth=0.0, **settings)
     axes.plot_surface(x, y, values, facecolors=colours, linewidth=0.0, **settings)
-    for row in shown_turns(table.axes.curvature):
+    for row in shown_turns(table.axes.curvature, rates):
         axes.plot(x[row], y[row], values[row], color=style.BLACK, linewidth=0.6, zorder=3)
     axes.set_zlim(floor, high)
     axes.set_xlabel("Heading [°]", labelpad=-4)
@@ -97,7 +97,7 @@ def draw_surface(axes: Any, table: Table, rates: Array) -> None:
 def draw_slices(axes: Axes, table: Table, rates: Array) -> None:
     """Rates over the heading at a few turns from straight to the tightest."""
     heading, values = closed(table, rates)
-    for number, row in enumerate(shown_turns(table.axes.curvature)):
+    for number, row in enumerate(shown_turns(table.axes.curvature, rates)):
         styled = style.series(number)
         axes.plot(heading, values[row], markevery=style.markers_every(heading.size, number), **styled)
     style.heading_axis(axes)
@@ -169,9 +169,10 @@ def closed(table: Table, values: Array) -> tuple[Array, Array]:
     return np.append(heading, heading[0] + 360.0), np.concatenate((values, values[:, :1]), axis=1)
 
 
-def shown_turns(curvature: Array) -> list[int]:
-    """Indices of straight driving and of a few turns evenly spread over the curvatures, from straight on."""
-    wanted = np.linspace(0.0, curvature[-1], SLICES)
+def shown_turns(curvature: Array, rates: Array) -> list[int]:
+    """Indices of straight driving and of a few left turns, evenly spread on to the tightest that has an answer."""
+    answered = curvature[np.isfinite(rates).any(axis=1)]
+    wanted = np.linspace(0.0, max(answered.max(initial=0.0), 0.0), SLICES)
     nearest = [int(np.abs(curvature - value).argmin()) for value in wanted]
     return list(dict.fromkeys(nearest))
 
@@ -184,7 +185,8 @@ def present(status: NDArray[np.uint8]) -> list[Status]:
 def handles(table: Table, slope: int, velocity: int) -> list[Line2D | Patch]:
     """The legend: the turns of the slices, and the reasons for no answer."""
     found: list[Line2D | Patch] = []
-    for number, row in enumerate(shown_turns(table.axes.curvature)):
+    rates = table.values["sprocket_rate_left"][slope, velocity]
+    for number, row in enumerate(shown_turns(table.axes.curvature, rates)):
         radius = table.axes.radius[row]
         label = f"R = {radius:.4g} m" if np.isfinite(radius) else "straight"
         found.append(Line2D([], [], label=label, **style.series(number)))

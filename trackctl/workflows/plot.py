@@ -9,7 +9,6 @@ from enum import StrEnum
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from trackctl.errors import InputFileError, UsageError
 from trackctl.files.atomic import whole_file
@@ -24,7 +23,7 @@ from trackctl.plots.plan import draw_plan
 from trackctl.plots.saving import save
 from trackctl.plots.sensitivity import draw_sensitivity
 from trackctl.plots.simulation import draw_simulation
-from trackctl.plots.style import Columns
+from trackctl.plots.style import Columns, Picture
 from trackctl.plots.sweep import draw_sweep
 from trackctl.plots.sweep_summary import draw_sweep_summary
 from trackctl.plots.table import draw_table
@@ -71,7 +70,7 @@ class CsvPicture:
     signature: tuple[str, ...]
     whole: tuple[str, ...]
     gapped: tuple[str, ...]
-    draw: Callable[[Columns], Figure]
+    draw: Callable[[Columns], Picture]
     optional: tuple[str, ...] = ()
     texts: tuple[str, ...] = ()
 
@@ -205,7 +204,7 @@ def plot(request: PlotRequest) -> FileKind:
     return kind
 
 
-def drawn(request: PlotRequest) -> tuple[FileKind, Figure]:
+def drawn(request: PlotRequest) -> tuple[FileKind, Picture]:
     """What a file holds, and its picture, in the style that is applied."""
     if is_hdf5(request.file):
         if request.sensitivity:
@@ -250,7 +249,7 @@ def refuse_table_options(request: PlotRequest) -> None:
             raise UsageError(option, value, f"only beside a look-up table, which {request.file} is none")
 
 
-def csv_picture(table: CsvTable) -> tuple[FileKind, Figure]:
+def csv_picture(table: CsvTable) -> tuple[FileKind, Picture]:
     """What a CSV table holds, and its picture."""
     if has(table, SENSITIVITY_SIGNATURE):
         return FileKind.SENSITIVITY, draw_sensitivity(read_indices(table))
