@@ -50,7 +50,7 @@ def test_what_sensitivity_and_compute_lut_write(tmp_path):
     few = ["--samples", "300", "--resamples", "20"]
     assert CliRunner().invoke(app, ["sensitivity", *few, "-o", str(indices), "--quiet"]).exit_code == 0
     assert run(indices).stderr.startswith(f"{indices}: sensitivity analysis, drawn to")
-    assert CliRunner().invoke(app, ["compute-lut", "--budget", "500", "-o", str(lut), "--quiet"]).exit_code == 0
+    assert CliRunner().invoke(app, ["compute-lut", "--budget", "2000", "-o", str(lut), "--quiet"]).exit_code == 0
     assert run(lut).stderr.startswith(f"{lut}: look-up table, drawn to")
     assert run(lut, "--sensitivity", "-o", tmp_path / "steps.svg").stderr.startswith(f"{lut}: sensitivity analysis")
 
