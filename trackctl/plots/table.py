@@ -31,6 +31,7 @@ FILLS: dict[Status, dict[str, Any]] = {
     Status.OUTSIDE_MODEL: {"facecolor": "#F4F4F4", "hatch": "...."},
     Status.NOT_CONVERGED: {"facecolor": "#F0B9A8", "hatch": "xxxx"},
 }
+FILLED: dict[str, Any] = {"levels": [0.5, 1.5]}
 NEVER: dict[str, Any] = {"facecolor": style.PALE, "hatch": "||||"}
 WORDS = {status: status.name.lower().replace("_", ": ", 1).replace("not: ", "not ") for status in Status} | {
     Status.OUTSIDE_MODEL: "outside the model"
@@ -74,14 +75,13 @@ def draw_surface(axes: Any, table: Table, rates: Array) -> None:
     if heading.size == 1:  # a ribbon
         heading, values = edges(heading), np.repeat(values, 2, axis=1)
     x, y = np.meshgrid(heading, table.axes.curvature)
-    gap = np.isnan(values)
-    low, high = (0.0, 1.0) if gap.all() else (float(np.nanmin(values)), float(np.nanmax(values)))
+    gap = np.isnan(rates)
+    low, high = (0.0, 1.0) if gap.all() else (float(np.nanmin(rates)), float(np.nanmax(rates)))
     floor = low - 0.15 * (high - low) - 1e-9
     colours = mpl.colormaps[style.SEQUENTIAL](mpl.colors.Normalize(low, high)(values))
     settings = {"rcount": SURFACE_CELLS, "ccount": SURFACE_CELLS, "shade": False, "antialiased": False}
     if gap.any():
-        shadow = np.broadcast_to(mpl.colors.to_rgba(style.GREY), colours.shape)
-        axes.plot_surface(x, y, np.where(gap, floor, np.nan), facecolors=shadow, linewidth=0.0, **settings)
+        axes.contourf(*stepped(table, gap), **FILLED, colors=[style.GREY], zdir="z", offset=floor)
     axes.plot_surface(x, y, values, facecolors=colours, linewidth=0.0, **settings)
     for row in shown_turns(table.axes.curvature, rates):
         axes.plot(x[row], y[row], values[row], color=style.BLACK, linewidth=0.6, zorder=3)
@@ -130,18 +130,18 @@ def draw_cells(axes: Axes, table: Table, where: NDArray[np.bool_], fill: dict[st
     """Fill the cells where something holds."""
     if not where.any():
         return
+    axes.contourf(*stepped(table, where), **FILLED, colors=[fill["facecolor"]], hatches=[fill["hatch"]])
+
+
+def stepped(table: Table, where: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+    """Headings, curvatures and a function that is 1 in the cells where something holds and 0 in the others.
+
+    It jumps at the borders of the cells, so that a contour follows them.
+    """
     heading, inside = closed(table, where.astype(np.float64))
-    x, y = edges(heading), edges(table.axes.curvature)
-    # Each cell as a step of the contoured function, so that its border is the cell's.
-    steps = np.repeat(np.repeat(inside, 2, axis=0), 2, axis=1)
-    axes.contourf(
-        np.repeat(x, 2)[1:-1],
-        np.repeat(y, 2)[1:-1],
-        steps,
-        levels=[0.5, 1.5],
-        colors=[fill["facecolor"]],
-        hatches=[fill["hatch"]],
-    )
+    x, y = np.repeat(edges(heading), 2)[1:-1], np.repeat(edges(table.axes.curvature), 2)[1:-1]
+    grid_x, grid_y = np.meshgrid(x, y)
+    return grid_x, grid_y, np.repeat(np.repeat(inside, 2, axis=0), 2, axis=1)
 
 
 def map_axes(axes: Axes, table: Table) -> None:
