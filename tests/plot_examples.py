@@ -98,6 +98,40 @@ def identification():
     }
 
 
+def prediction():
+    """A straight way that is predicted ever less surely."""
+    time = np.linspace(0.0, 10.0, 51)
+    return {
+        "time_s": time,
+        "horizon_s": np.full(time.size, 2.0),
+        "x_m": time + 2.0,
+        "y_m": 0.1 * time,
+        "yaw_rad": 0.1 + 0.0 * time,
+        "x_std_m": 0.1 + 0.01 * time,
+        "y_std_m": 0.2 + 0.01 * time,
+        "yaw_std_rad": 0.05 + 0.0 * time,
+        "position_error_m": np.where(time < 8.0, 0.3, np.nan),
+    }
+
+
+def lookup():
+    """A turn that gets tighter, until there is no answer in the last three of ten rows."""
+    row = np.arange(10.0)
+    answer = np.where(row < 7.0, 1.0, np.nan)
+    return {
+        "velocity_mps": 1.0 + 0.0 * row,
+        "radius_m": 20.0 - row,
+        "heading_rad": 0.1 * row,
+        "sprocket_rate_left_radps": (9.0 - 0.1 * row) * answer,
+        "sprocket_rate_right_radps": (11.0 + 0.1 * row) * answer,
+        "track_speed_left_mps": (0.9 - 0.01 * row) * answer,
+        "track_speed_right_mps": (1.1 + 0.01 * row) * answer,
+        "sideslip_rad": 0.01 * row * answer,
+        "slip_left": -0.01 * row * answer,
+        "slip_right": 0.02 * row * answer,
+    }
+
+
 def by_name(columns):
     """Columns as the pictures take them: SI, without unit."""
     units = ("_s", "_m", "_rad", "_mps", "_radps", "_1pm", "_n", "_nm")

@@ -3,6 +3,7 @@ import pytest
 from figure_artists import labelled, line_data
 from plot_examples import by_name, identification
 
+from trackctl.plots import style
 from trackctl.plots.identification import draw_identification
 
 
@@ -62,9 +63,13 @@ def test_bands_run_out_of_the_picture_only_at_the_start(columns):
 
 def test_errors_beside_those_without_slip(columns):
     position, yaw = draw_identification(columns).axes[6:]
-    np.testing.assert_array_equal(labelled(position, "identified, mean 0.05")[1], columns["position_error"])
-    np.testing.assert_array_equal(labelled(position, "no slip, mean 0.7")[1], columns["no_slip_position_error"])
-    np.testing.assert_allclose(labelled(yaw, "identified, mean 0.573")[1], np.degrees(np.abs(columns["yaw_error"])))
+    for axes, label, values in (
+        (position, "identified, mean 0.05", columns["position_error"]),
+        (position, "no slip, mean 0.7", columns["no_slip_position_error"]),
+        (yaw, "identified, mean 0.573", np.degrees(np.abs(columns["yaw_error"]))),
+    ):
+        np.testing.assert_allclose(labelled(axes, f"_{label}")[1], values)
+        np.testing.assert_array_equal(labelled(axes, label)[1], style.running_mean(values))
     assert (position.get_ylabel(), yaw.get_ylabel()) == ("Error [m]", "Error [°]")
     assert position.get_ylim()[0] == 0.0
 

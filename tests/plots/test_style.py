@@ -49,6 +49,17 @@ def test_stretches(where, runs):
     assert list(style.stretches(np.array(where, bool))) == runs
 
 
+def test_running_mean():
+    values = np.arange(300.0)
+    values[100] = np.nan
+    mean = style.running_mean(values)
+    assert mean[200] == 200.0  # rows 197 to 203
+    assert mean[0] == np.mean([0.0, 1.0, 2.0, 3.0])
+    assert mean[101] == np.mean([98.0, 99.0, 101.0, 102.0, 103.0, 104.0])
+    np.testing.assert_array_equal(style.running_mean(values[:3]), values[:3])
+    assert np.isnan(style.running_mean(np.full(200, np.nan))).all()
+
+
 def test_shade_reaches_half_way_to_the_neighbours():
     axes = Figure().subplots()
     style.shade(axes, np.array([0.0, 1.0, 2.0, 4.0]), np.array([False, True, False, True]), "bad")

@@ -27,6 +27,8 @@ KINDS = {
     FileKind.PLAN: plot_examples.plan,
     FileKind.FORCES: plot_examples.forces,
     FileKind.IDENTIFICATION: plot_examples.identification,
+    FileKind.PREDICTION: plot_examples.prediction,
+    FileKind.LOOKUP: plot_examples.lookup,
 }
 
 

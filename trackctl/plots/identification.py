@@ -60,7 +60,9 @@ def draw_identification(columns: Columns) -> Figure:
         `accepted`, `position_error`, `yaw_error`, `no_slip_position_error`, `no_slip_yaw_error`; may be NaN. Where
         there are `icr_left_std`, `icr_right_std` and `icr_x_std`, the turning centres' bands are theirs. [SI]
     """
-    figure = style.page(f"Identified slip; bands are ±{SPREAD:g} standard deviations", 4, 7.8)
+    figure = style.page(
+        f"Identified slip: bands of ±{SPREAD:g} standard deviations, running means of the errors in bold", 4, 7.8
+    )
     panels = style.panels(figure, 4, 2, sharex=True)
     for axes, estimates in zip(panels, ESTIMATES, strict=False):
         draw_estimates(axes, columns, estimates)
@@ -70,7 +72,7 @@ def draw_identification(columns: Columns) -> Figure:
     whose = "" if "icr_x_std" in columns else ", bands of the offsets"
     texts = (
         (f"Turning centres of the tracks{whose}", "y to the left [m]"),
-        (f"Turning centre along the body{whose}", "x ahead [m]"),
+        (f"Turning centre ahead{whose}", "x ahead [m]"),
         ("Parameters of the left track", "Value"),
         ("Parameters of the right track", "Value"),
         ("Parameters along the body", "Value"),
@@ -116,10 +118,10 @@ def draw_innovations(axes: Axes, columns: Columns) -> None:
 
 
 def draw_errors(axes: Axes, columns: Columns, name: str, factor: float = 1.0) -> None:
-    """Sizes of the errors with the model and without slip, and their means."""
+    """Sizes of the errors with the model and without slip, with their running means and means."""
     for column, label, look in ((f"no_slip_{name}", "no slip", style.RIGHT), (name, "identified", style.LEFT)):
         error = factor * np.abs(columns[column])
         mean = f", mean {np.nanmean(error):.3g}" if np.isfinite(error).any() else ""
-        axes.plot(columns["time"], error, label=label + mean, **look)
+        style.noisy(axes, columns["time"], error, label + mean, look)
     axes.set_ylim(bottom=0.0)
     axes.legend()

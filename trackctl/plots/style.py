@@ -27,6 +27,8 @@ Columns = Mapping[str, Array]
 PAGE_WIDTH = 7.2
 PANEL_HEIGHT = 2.1
 POINTS_PER_INCH = 72.0
+#: Share of a curve's rows that its running mean is taken over.
+SMOOTHED = 0.02
 #: Of a legend: the sample of a line, and a letter of its label. [pt]
 HANDLE_WIDTH, LETTER_WIDTH = 38.0, 3.9
 
@@ -204,6 +206,24 @@ def both_tracks(axes: Axes, x: Array, columns: Columns, name: str, factor: float
     """A quantity of the left and of the right track."""
     axes.plot(x, factor * columns[f"{name}_left"], label="left track", **LEFT)
     axes.plot(x, factor * columns[f"{name}_right"], label="right track", **RIGHT)
+
+
+def noisy(axes: Axes, x: Array, values: Array, label: str, look: Mapping[str, Any]) -> None:
+    """A curve that jumps from row to row, faint, and its running mean."""
+    axes.plot(x, values, label=f"_{label}", alpha=0.35, **(dict(look) | {"linestyle": "-", "linewidth": 0.4}))
+    axes.plot(x, running_mean(values), label=label, **look)
+
+
+def running_mean(values: Array) -> Array:
+    """Mean over a `SMOOTHED` share of the rows around each, NaN left out; NaN where there is nothing else."""
+    known = np.isfinite(values)
+    reach = int(0.5 * SMOOTHED * values.size)
+    first = np.maximum(np.arange(values.size) - reach, 0)
+    last = np.minimum(np.arange(values.size) + reach + 1, values.size)
+    counts = np.concatenate(([0], np.cumsum(known)))
+    sums = np.concatenate(([0.0], np.cumsum(np.where(known, values, 0.0))))
+    with np.errstate(invalid="ignore"):
+        return np.asarray((sums[last] - sums[first]) / (counts[last] - counts[first]), np.float64)
 
 
 def shade(axes: Axes, x: Array, where: NDArray[np.bool_], label: str) -> None:

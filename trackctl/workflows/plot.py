@@ -19,7 +19,9 @@ from trackctl.lut.axes import Array
 from trackctl.plots import style
 from trackctl.plots.forces import draw_forces
 from trackctl.plots.identification import draw_identification
+from trackctl.plots.lookup import draw_lookup
 from trackctl.plots.plan import draw_plan
+from trackctl.plots.prediction import draw_prediction
 from trackctl.plots.saving import save
 from trackctl.plots.sensitivity import draw_sensitivity
 from trackctl.plots.simulation import draw_simulation
@@ -29,6 +31,7 @@ from trackctl.plots.sweep_summary import draw_sweep_summary
 from trackctl.plots.table import draw_table
 from trackctl.sensitivity.pawn import PawnIndex, Statistic
 from trackctl.units import split_suffix
+from trackctl.workflows.operating_points import read_points
 
 
 class FileKind(StrEnum):
@@ -42,6 +45,8 @@ class FileKind(StrEnum):
     PLAN = "plan"
     FORCES = "track forces"
     IDENTIFICATION = "identification"
+    PREDICTION = "prediction"
+    LOOKUP = "looked-up commands"
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +159,21 @@ PICTURES = (
         draw_identification,
         optional=("icr_left_std_m", "icr_right_std_m", "icr_x_std_m"),
     ),
+    CsvPicture(
+        FileKind.PREDICTION,
+        ("horizon_s", "yaw_std_rad"),
+        ("time_s", "horizon_s"),
+        ("x_m", "y_m", "yaw_rad", "x_std_m", "y_std_m", "yaw_std_rad"),
+        draw_prediction,
+        optional=("position_error_m", "yaw_error_rad", "no_slip_position_error_m", "no_slip_yaw_error_rad"),
+    ),
+    CsvPicture(
+        FileKind.LOOKUP,
+        ("sprocket_rate_left_radps", "track_speed_left_mps"),
+        (),
+        ("sprocket_rate_left_radps", "sprocket_rate_right_radps", "slip_left", "slip_right", "sideslip_rad"),
+        draw_lookup,
+    ),
 )
 SENSITIVITY_SIGNATURE = ("statistic", "index", "dummy")
 
@@ -255,7 +275,8 @@ def csv_picture(table: CsvTable) -> tuple[FileKind, Picture]:
         return FileKind.SENSITIVITY, draw_sensitivity(read_indices(table))
     for picture in PICTURES:
         if has(table, picture.signature):
-            return picture.kind, picture.draw(columns_of(table, picture))
+            asked = asked_points(table) if picture.kind is FileKind.LOOKUP else {}
+            return picture.kind, picture.draw(asked | columns_of(table, picture))
     raise InputFileError(
         table.file,
         f"holds nothing that there is a picture for: columns {', '.join(table.columns)}; "
@@ -268,7 +289,7 @@ def has(table: CsvTable, headers: tuple[str, ...]) -> bool:
     return all(find_header(table, header) is not None for header in headers)
 
 
-def columns_of(table: CsvTable, picture: CsvPicture) -> Columns:
+def columns_of(table: CsvTable, picture: CsvPicture) -> dict[str, Array]:
     """The columns that a picture is drawn from, in SI, by their names without unit."""
     gapped = picture.gapped + tuple(header for header in picture.optional if find_header(table, header) is not None)
     found = {header: column(table, header) for header in picture.whole}
@@ -278,6 +299,12 @@ def columns_of(table: CsvTable, picture: CsvPicture) -> Columns:
         _, codes = np.unique(table.columns[header], return_inverse=True)
         columns[header] = codes.astype(np.float64)
     return columns
+
+
+def asked_points(table: CsvTable) -> dict[str, Array]:
+    """The operating points that answers were looked up for, in SI."""
+    points = read_points(table)
+    return {"velocity": points.velocity, "curvature": points.curvature, "heading": points.heading}
 
 
 def read_indices(table: CsvTable) -> list[PawnIndex]:
