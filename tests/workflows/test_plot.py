@@ -153,11 +153,12 @@ def test_files_that_cannot_be_drawn(tmp_path, content, problem):
     assert not (tmp_path / "a.png").exists()
 
 
-def test_cells_that_cannot_be_drawn(tmp_path):
+@pytest.mark.parametrize(("value", "cell"), [(np.nan, "''"), (np.inf, "'inf'"), (-1e308, "'-1e\\+308'")])
+def test_cells_that_cannot_be_drawn(tmp_path, value, cell):
     columns = plot_examples.simulation()
-    columns["x_m"][7] = np.nan
+    columns["x_m"][7] = value
     path = plot_examples.write(tmp_path / "simulation.csv", columns)
-    with pytest.raises(InputFileError, match=r"simulation.csv, line 9: column x_m: '' is not allowed"):
+    with pytest.raises(InputFileError, match=f"simulation.csv, line 9: column x_m: {cell} is not allowed"):
         plot(PlotRequest(path, tmp_path / "a.png"))
 
 

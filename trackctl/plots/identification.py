@@ -61,7 +61,7 @@ def draw_identification(columns: Columns) -> Figure:
         there are `icr_left_std`, `icr_right_std` and `icr_x_std`, the turning centres' bands are theirs. [SI]
     """
     figure = style.page(
-        f"Identified slip: bands of ±{SPREAD:g} standard deviations, running means of the errors in bold", 4, 7.8
+        f"Identified slip: bands of ±{SPREAD:g} standard deviations, bold running means of errors", 4, 7.8
     )
     panels = style.panels(figure, 4, 2, sharex=True)
     for axes, estimates in zip(panels, ESTIMATES, strict=False):

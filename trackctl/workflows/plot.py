@@ -175,6 +175,8 @@ PICTURES = (
         draw_lookup,
     ),
 )
+#: Larger numbers are beyond what axes and their ticks can be computed for.
+LARGEST = 1e30
 SENSITIVITY_SIGNATURE = ("statistic", "index", "dummy")
 
 
@@ -294,6 +296,9 @@ def columns_of(table: CsvTable, picture: CsvPicture) -> dict[str, Array]:
     gapped = picture.gapped + tuple(header for header in picture.optional if find_header(table, header) is not None)
     found = {header: column(table, header) for header in picture.whole}
     found |= {header: column(table, header, may_be_empty=True, may_be_infinite=True) for header in gapped}
+    for header, values in found.items():
+        for row in np.flatnonzero(np.isfinite(values) & (np.abs(values) > LARGEST)):
+            raise cell_error(table, str(find_header(table, header)), int(row), f"up to {LARGEST:g} either way in SI")
     columns = {split_suffix(header)[0]: values for header, values in found.items()}
     for header in picture.texts:
         _, codes = np.unique(table.columns[header], return_inverse=True)
