@@ -14,12 +14,12 @@ def columns():
 
 def test_laps_are_whole_turns():
     yaw = np.linspace(0.3, 0.3 + 4.5 * np.pi, 901)
-    assert laps(yaw) == [slice(0, 401), slice(400, 801)]
+    assert laps(yaw) == [slice(0, 400), slice(400, 800)]
     assert laps(-yaw) == laps(yaw)
     assert laps((yaw + np.pi) % (2.0 * np.pi) - np.pi) == laps(yaw)
     assert laps(yaw[:400]) == []
     assert laps(yaw[:1]) == []
-    assert laps(yaw[:401]) == [slice(0, 401)]
+    assert laps(yaw[:401]) == [slice(0, 400)]
 
 
 def test_a_circle_is_found_exactly():

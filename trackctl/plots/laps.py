@@ -20,7 +20,7 @@ class Circle:
 
 
 def laps(yaw: Array) -> list[slice]:
-    """Rows of each lap: 2 pi of yaw from the start, whole laps only.
+    """Rows of each lap: 2 pi of yaw from the start, whole laps only; the row that ends a lap begins the next.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def laps(yaw: Array) -> list[slice]:
     # Rounding must not lose a last lap that ends with the file.
     whole = int(turned[-1] + 1e-6)
     ends = [int(np.argmax(turned >= lap - 1e-6)) for lap in range(whole + 1)]
-    return [slice(start, end + 1) for start, end in pairwise(ends)]
+    return [slice(start, end) for start, end in pairwise(ends)]
 
 
 def fitted_circle(x: Array, y: Array) -> Circle:
