@@ -93,6 +93,7 @@ def compute_lut(
     Example:
       trackctl compute-lut --vehicle m113 --terrain hard-soil --slope-deg 0:12:4 -o m113.h5
     """
+    announce_compilation(quiet)
     import numpy as np
 
     from trackctl.files.atomic import check_output
@@ -143,7 +144,6 @@ def choose_steps(
         step = named_numbers(steps, STEP_NAMES, "--steps")
         chosen = explicit_steps(blank.ranges, step["velocity"], step["radius"], math.radians(step["heading"]))
         tell_shrunk(chosen, step, quiet)
-        announce_compilation(quiet)
         return chosen
     if tolerance is None:
         return steps_within(blank, DEFAULT_BUDGET if budget is None else budget, jobs, quiet)
@@ -157,7 +157,6 @@ def steps_within(blank: TableRequest, budget: int, jobs: int, quiet: bool) -> Ch
     from trackctl.workflows.table_steps import cells_per_slope, sensitivity_of, steps_from_sensitivity
 
     each = cells_per_slope(blank.vehicle, blank.ranges, budget, blank.slope.size)
-    announce_compilation(quiet)
     return steps_from_sensitivity(blank.vehicle, blank.ranges, each, sensitivity_of(blank, jobs))
 
 

@@ -6,7 +6,7 @@ from trackctl.cli.progress import say
 
 
 def announce_compilation(quiet: bool) -> None:
-    """Say on standard error that kernels are to be compiled, if they are."""
+    """Say on standard error that kernels are to be compiled, if they are; importing a solver begins with it."""
     from trackctl.compiled import kernels_are_compiled
 
     if not kernels_are_compiled():

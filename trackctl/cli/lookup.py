@@ -90,6 +90,7 @@ def lookup(
     Example:
       trackctl lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90
     """
+    announce_compilation(quiet)
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
     from trackctl.workflows.lookup import LookupRequest, answer_columns, status_counts
     from trackctl.workflows.lookup import lookup as look_up
@@ -110,7 +111,6 @@ def lookup(
         gravity_mps2,
         jobs,
     )
-    announce_compilation(quiet)
     with bar("looking up", "row", quiet) as progress:
         result = look_up(request, progress)
     answers, counts = answer_columns(result), status_counts(result)

@@ -48,6 +48,7 @@ def sensitivity(
     Example:
       trackctl sensitivity --vehicle m113 --terrain hard-soil --slope-deg 10
     """
+    announce_compilation(quiet)
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
     from trackctl.workflows.sensitivity import (
         SensitivityRequest,
@@ -72,7 +73,6 @@ def sensitivity(
         seed,
         jobs,
     )
-    announce_compilation(quiet)
     with bar("solving", "point", quiet) as progress:
         found = slope_steering_sensitivity(request, progress)
     tell(request, found, quiet)

@@ -56,6 +56,7 @@ def sweep(
     Example:
       trackctl sweep --slope-deg 5 --velocity-mps 1:4:1 --radius-m 20 --summary
     """
+    announce_compilation(quiet)
     import numpy as np
 
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
@@ -75,7 +76,6 @@ def sweep(
         seed,
         jobs,
     )
-    announce_compilation(quiet)
     with bar("solving", "slope", quiet) as progress:
         found = solve(request, progress)
     tell(found, quiet)
