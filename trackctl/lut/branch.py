@@ -22,7 +22,7 @@ from trackctl.lut.cell import (
 )
 from trackctl.lut.cell import TOLERANCE as SOLVED
 from trackctl.lut.swarm_search import near_no_slip
-from trackctl.mechanics.limits import ADMISSIBLE, GRIP, exceeded_limit, outside_box
+from trackctl.mechanics.limits import GRIP, exceeded_limit, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.solvers import continuation
 from trackctl.solvers import levenberg_marquardt as lm
@@ -105,10 +105,9 @@ def turned(solver: Solver, way: Way, line: continuation.Curve) -> bool:
 
 
 @kernel
-def limit_at(solver: Solver, way: Way, line: continuation.Curve, otherwise: int) -> int:
-    """The limit exceeded at the curve's point, if any."""
-    exceeded = exceeded_limit(model_of(solver), point_at(way, line.point[3]), line.point[:3])
-    return otherwise if exceeded == ADMISSIBLE else exceeded
+def exceeded_at(solver: Solver, way: Way, line: continuation.Curve) -> int:
+    """The limit exceeded at the curve's point, or `ADMISSIBLE`, which is 0."""
+    return exceeded_limit(model_of(solver), point_at(way, line.point[3]), line.point[:3])
 
 
 @kernel
@@ -122,7 +121,7 @@ def trace(solver: Solver, way: Way, x: Array) -> int:
     step = continuation.FIRST_STEP
     for _ in range(MOST_STEPS):
         if continuation.has_folded(line):
-            return limit_at(solver, way, line, GRIP)
+            return exceeded_at(solver, way, line) or GRIP
         rest = continuation.way_to_go(line)
         at_end = rest <= step
         if at_end:
@@ -135,18 +134,18 @@ def trace(solver: Solver, way: Way, x: Array) -> int:
             continuation.step_back(line)
             step = continuation.SHRINK * min(step, rest)
             if step < continuation.SMALLEST_STEP:
-                return limit_at(solver, way, line, LOST)
+                return exceeded_at(solver, way, line) or LOST
             continue
         for i in range(3):
             x[i] = line.point[i]
         if outside_box(x):
-            return limit_at(solver, way, line, GRIP)
+            return exceeded_at(solver, way, line) or GRIP
         if at_end:
             return REACHED
         if not turned(solver, way, line):
             return LOST
         step = min(continuation.GROW * step, continuation.LARGEST_STEP)
-    return limit_at(solver, way, line, LOST)
+    return exceeded_at(solver, way, line) or LOST
 
 
 @linked(types.int64(types.voidptr, DOUBLES, DOUBLES))

@@ -198,7 +198,7 @@ def easiest_heading(column: Column) -> int:
 def bound_row(solver: Solver, column: Column, cells: Cells, row: int) -> int:
     """Mark the cells of a row that are proven infeasible, the others pending; the number of pending cells."""
     model = model_of(solver)
-    centripetal = point_of(solver, column, row, 0).centripetal
+    centripetal = column.velocity[row] * column.velocity[row] * column.curvature / model.gravity
     proves_nothing = surely_admissible(model, column.slope, centripetal)
     pending = 0
     for cell in range(column.heading.size):

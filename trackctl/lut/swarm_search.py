@@ -59,8 +59,8 @@ def near_no_slip(model: TrackModel, curvature: float, x: Array) -> None:
 
     Without any, a track on a straight line would not slide at all, and the direction of its shear would be undefined.
     """
-    x[0] = no_slip_speed(model, curvature, 0) + SLIP_SCALE
-    x[1] = no_slip_speed(model, curvature, 1) + SLIP_SCALE
+    for track in range(2):
+        x[track] = no_slip_speed(model, curvature, track) + SLIP_SCALE
     x[2] = 0.0
 
 
