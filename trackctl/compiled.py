@@ -21,7 +21,7 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 # Everything but nnan and ninf: status checks rely on NaN.
 FASTMATH = {"reassoc", "contract", "arcp", "nsz", "afn"}
-KERNEL_ROOMS = ("mechanics", "solvers", "lut", "sensitivity")
+KERNEL_ROOMS = ("mechanics", "solvers", "lut", "sensitivity", "identification")
 
 
 def cache_root() -> Path:
