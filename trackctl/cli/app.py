@@ -18,9 +18,11 @@ from typer.core import TyperGroup
 from trackctl import __version__
 from trackctl.cli import profiles
 from trackctl.cli.compute_lut import compute_lut
+from trackctl.cli.identify import identify
 from trackctl.cli.info import info
 from trackctl.cli.lookup import lookup
 from trackctl.cli.plot import plot
+from trackctl.cli.predict import predict
 from trackctl.cli.registration import add_command, help_texts
 from trackctl.cli.sensitivity import sensitivity
 from trackctl.cli.sweep import sweep
@@ -31,7 +33,7 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 
 #: One function per command, in the order of the help.
-COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity, sweep, plot)
+COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity, sweep, identify, predict, plot)
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
 

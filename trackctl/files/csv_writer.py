@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TextIO
 
 import numpy as np
@@ -28,8 +28,18 @@ def write_csv(stream: TextIO, columns: Mapping[str, Column]) -> None:
     columns : mapping of columns, shape (n_rows,)
         By header.
     """
+    write_header(stream, columns)
+    write_rows(stream, columns)
+
+
+def write_header(stream: TextIO, columns: Iterable[str]) -> None:
+    """Write the first line alone, for rows that come bit by bit."""
+    csv.writer(stream, lineterminator="\n").writerow(columns)
+
+
+def write_rows(stream: TextIO, columns: Mapping[str, Column]) -> None:
+    """Write columns without their header; see `write_csv`."""
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerow(columns)
     count = max(map(len, columns.values()), default=0)
     for start in range(0, count, ROWS_AT_ONCE):
         batch = [cells(column[start : start + ROWS_AT_ONCE]) for column in columns.values()]

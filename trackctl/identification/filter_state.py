@@ -60,6 +60,7 @@ LOG_FILTER = np.dtype(
         ("speed_variance", np.float64),  # [m2/s2]
         ("by_velocity", np.bool_),
         ("learns", np.bool_),
+        ("gates", np.bool_),  # whether poses may be rejected
         # The log so far.
         ("started", np.bool_),
         ("now", np.float64),  # [s]

@@ -123,6 +123,7 @@ class LogFilter:
         memory["speed_variance"] = noise.speed**2
         memory["by_velocity"] = settings.kind is FilterKind.VELOCITY
         memory["learns"] = known is None
+        memory["gates"] = settings.model is not SlipModel.NONE
         estimate = memory["estimate"]
         std = np.full(PARAMETERS, 0.5 * settings.track_gauge)
         std[GEOMETRIC:] = noise.speed_factor

@@ -141,7 +141,7 @@ def take(state: State, ring: Ring, poses: Ring, pose: Pose) -> int:
     add_model_error(estimate, rows, state.motion.rolled, state.motion.turned, since)
     sharing = max(1.0, (pose.time - state.window_began) / since)
     chi_square = try_update(estimate, rows, sharing)
-    if not chi_square <= (POSE_GATE if rows == POSE_ROWS else HEADING_GATE):
+    if state.gates and not chi_square <= (POSE_GATE if rows == POSE_ROWS else HEADING_GATE):
         estimate.rejections += 1
         if estimate.rejections <= MOST_REJECTIONS or not math.isfinite(chi_square):
             return -rows
