@@ -17,6 +17,7 @@ from typer.core import TyperGroup
 
 from trackctl import __version__
 from trackctl.cli import profiles
+from trackctl.cli.calibrate import calibrate
 from trackctl.cli.compute_lut import compute_lut
 from trackctl.cli.identify import identify
 from trackctl.cli.info import info
@@ -33,7 +34,17 @@ BAD_INPUT = 2
 INTERRUPTED = 130
 
 #: One function per command, in the order of the help.
-COMMANDS: tuple[Callable[..., None], ...] = (compute_lut, lookup, info, sensitivity, sweep, identify, predict, plot)
+COMMANDS: tuple[Callable[..., None], ...] = (
+    compute_lut,
+    lookup,
+    info,
+    sensitivity,
+    sweep,
+    identify,
+    predict,
+    calibrate,
+    plot,
+)
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
 

@@ -29,9 +29,13 @@ LONGEST_LINE = 1 << 20
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """A column to be read: the keys that may stand for it, each with its factor to the quantity wanted."""
+    """A column to be read: the keys that may stand for it, each with its factor to the quantity wanted.
+
+    One that is optional is NaN where it is missing.
+    """
 
     keys: tuple[tuple[str, float], ...]
+    optional: bool = False
 
 
 def log_sources(sprocket_radius: float) -> tuple[Source, ...]:
@@ -98,7 +102,7 @@ class Columns:
     delimiter: str
     width: int
     headers: tuple[str, ...]
-    places: tuple[int, ...]
+    places: tuple[int | None, ...]
     factors: Array
 
     @staticmethod
@@ -110,7 +114,8 @@ class Columns:
         found = [column_of(table, source) for source in sources]
         headers = tuple(header for header, _ in found)
         factors = np.array([factor for _, factor in found])
-        return Columns(file, delimiter, len(names), headers, tuple(map(names.index, headers)), factors)
+        places = tuple(names.index(header) if header else None for header in headers)
+        return Columns(file, delimiter, len(names), headers, places, factors)
 
     def block(self, lines: list[str], line: int) -> Array:
         """The numbers in lines, of which the first has this number."""
@@ -122,10 +127,12 @@ class Columns:
             self.refuse_lengths(lines, line)
         if not rows:
             return np.empty((0, len(self.places)))
-        values = np.empty((len(rows), len(self.places)))
+        values = np.full((len(rows), len(self.places)), math.nan)
         cells = list(zip(*rows, strict=True))
         plain = not any("_" in text for text in lines)  # which Python allows in numbers
         for k, place in enumerate(self.places):
+            if place is None:
+                continue
             quick = quick_numbers(cells[place]) if plain else None
             values[:, k] = quick or [self.number(cell, k, lines, line, row) for row, cell in enumerate(cells[place])]
         return values * self.factors
@@ -155,7 +162,7 @@ def quick_numbers(cells: Sequence[str]) -> list[float] | None:
 
 
 def column_of(table: CsvTable, source: Source) -> tuple[str, float]:
-    """The header that stands for a source, and its factor."""
+    """The header that stands for a source, empty if there is none, and its factor."""
     found = [(key, factor, find_header(table, key)) for key, factor in source.keys]
     present = [(header, factor * accepted_keys(key)[header]) for key, factor, header in found if header]
     if len(present) == 1:
@@ -163,6 +170,8 @@ def column_of(table: CsvTable, source: Source) -> tuple[str, float]:
     if present:
         names = " and ".join(header for header, _ in present)
         raise InputFileError(table.file, f"columns {names} mean the same; allowed: one of them")
+    if source.optional:
+        return "", 1.0
     wanted = " or ".join(name for key, _ in source.keys for name in accepted_keys(key))
     raise InputFileError(table.file, f"column {wanted} is missing; there are: {', '.join(table.columns)}")
 
