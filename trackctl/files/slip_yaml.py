@@ -17,6 +17,12 @@ Array = NDArray[np.float64]
 
 FILETYPE, VERSION = "trackctl-slip", 1
 NAMES = tuple(f"p{i + 1}" for i in range(PARAMETERS))
+COMMENT = """\
+# Slip model of `trackctl identify`. Track ICRs [m] of left and right track speeds V_l, V_r and the track gauge B:
+#   y_l = B/2 + p1 a + p2 k + p7, y_r = -B/2 - p3 a - p4 k + p8, x = p5 a + p6 k + p9,
+#   a = |V_r^2 - V_l^2| / (2 B), k = 2 |V_r - V_l| / (B (|V_r| + |V_l|)); then V_l times 1 + p10, V_r times 1 + p11.
+# position_error, heading_error: standard deviation over the distance rolled and the angle turned.
+"""
 #: A covariance may be off symmetry and below zero by this much of its largest entry, by rounding.
 ROUNDING = 1e-9
 LARGEST = 1e6
@@ -75,19 +81,13 @@ def slip_to_yaml(slip: SlipFile) -> str:
         **dict(zip(NAMES, learned.p.tolist(), strict=True)),
     }
     rows = "".join(f"  - [{', '.join(map(decimal, row))}]\n" for row in learned.covariance.tolist())
-    lines = [f"{key}: {decimal(value)}\n" if isinstance(value, float) else text(key, value) for key, value in values.items()]
-    return (
-        "# Slip model of `trackctl identify`. Track ICRs in m at a = |V_r^2 - V_l^2|/(2 B), k = 2|V_r - V_l|/(B(|V_r| + |V_l|)):\n"
-        "# y_l = B/2 + p1 a + p2 k + p7, y_r = -B/2 - p3 a - p4 k + p8, x = p5 a + p6 k + p9; track speeds times 1 + p10, p11.\n"
-        "# position_error, heading_error: standard deviation over the distance rolled and the angle turned.\n"
-        + "".join(lines)
-        + "covariance:\n"
-        + rows
-    )
+    return COMMENT + "".join(line(key, value) for key, value in values.items()) + f"covariance:\n{rows}"
 
 
-def text(key: str, value: object) -> str:
+def line(key: str, value: object) -> str:
     """A line of YAML."""
+    if isinstance(value, float):
+        return f"{key}: {decimal(value)}\n"
     return yaml.safe_dump({key: value}, allow_unicode=True, width=10_000)
 
 

@@ -127,10 +127,13 @@ def calibrate_ground(model: TrackModel, windows: SteadyWindows) -> Calibration:
         free[worst] = False
         found = without(fit, found, worst, assumed[worst], free)
     left = fit.motions(found.values) - fit.twists
-    known = np.isfinite(left).all(axis=1)
-    estimates = [Estimate(float(v), float(s), bool(f)) for v, s, f in zip(found.values, spread, free, strict=True)]
+    known = np.all(np.isfinite(left), axis=1)
+    friction, modulus, resistance = (
+        Estimate(float(v), float(s), bool(f)) for v, s, f in zip(found.values, spread, free, strict=True)
+    )
     stds = np.sqrt(np.mean(left[known] ** 2, axis=0)).tolist() if known.any() else [math.inf] * 3
-    return Calibration(*estimates, len(known), int((~known).sum()), (stds[0], stds[1], stds[2]))
+    unsolved = int(np.count_nonzero(~known))
+    return Calibration(friction, modulus, resistance, len(known), unsolved, (stds[0], stds[1], stds[2]))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -184,15 +187,16 @@ def fitted(fit: Fit, start: Array, free: NDArray[np.bool_], passes: int = PASSES
         full[free] = np.where(IS_LOGARITHM[free], np.exp(x), x)
         return full
 
+    def residuals(x: Array) -> Array:
+        return fit.residuals(at(x))
+
     def slopes(x: Array) -> Array:
         steps = STEP * np.eye(len(x))
-        return np.stack([fit.residuals(at(x + h)) - fit.residuals(at(x - h)) for h in steps], axis=1) / (2.0 * STEP)
+        return np.stack([residuals(x + h) - residuals(x - h) for h in steps], axis=1) / (2.0 * STEP)
 
     for _ in range(passes):
         x = np.clip(sought(values)[free], lower + 1e-9, upper - 1e-9)
-        solution = least_squares(
-            lambda x: fit.residuals(at(x)), x, jac=slopes, bounds=(lower, upper), loss="soft_l1"
-        )
+        solution = least_squares(residuals, x, jac=slopes, bounds=(lower, upper), loss="soft_l1")
         values = at(solution.x)
         if passes > 1:
             off = np.abs(fit.residuals(values)).reshape(-1, 3) * fit.stds

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -151,19 +150,19 @@ class LogFilter:
             What is settled by now, in order of time: one for each new pose.
         """
         rows = np.ascontiguousarray(rows, np.float64)
-        done = [
-            self._settled_by(
-                lambda part=rows[start : start + ROWS_AT_ONCE]: advance(
-                    self._memory[0], self._history, self._poses, self._updates, part
-                )
-            )
-            for start in range(0, len(rows), ROWS_AT_ONCE)
-        ]
-        return np.concatenate(done) if done else self._updates[:0]
+        done = [self._updates[:0]]
+        for start in range(0, len(rows), ROWS_AT_ONCE):
+            before = self._settled()
+            part = rows[start : start + ROWS_AT_ONCE]
+            advance(self._memory[0], self._history, self._poses, self._updates, part)
+            done.append(self._settled_since(before))
+        return np.concatenate(done)
 
     def finish(self) -> Updates:
         """The updates that still wait for a later pose, at the end of a log."""
-        return self._settled_by(lambda: settle_all(self._memory[0], self._history, self._updates))
+        before = self._settled()
+        settle_all(self._memory[0], self._history, self._updates)
+        return self._settled_since(before)
 
     def learned(self) -> LearnedSlip:
         """What has been learned so far."""
@@ -195,9 +194,10 @@ class LogFilter:
         """How often what was learned had to be forgotten."""
         return int(self._memory["resets"][0])
 
-    def _settled_by(self, step: Callable[[], None]) -> Updates:
-        """A copy of the updates that a step settles."""
-        before = int(self._memory["settled"][0])
-        step()
-        after = int(self._memory["settled"][0])
-        return np.asarray(self._updates[np.arange(before, after) % UPDATES])
+    def _settled(self) -> int:
+        """Number of updates settled so far."""
+        return int(self._memory["settled"][0])
+
+    def _settled_since(self, before: int) -> Updates:
+        """A copy of the updates settled since there were this many."""
+        return np.asarray(self._updates[np.arange(before, self._settled()) % UPDATES])

@@ -143,7 +143,7 @@ def make_independent(estimate: Estimate, rows: int, scale: float) -> None:
 
 @kernel
 def misfit(estimate: Estimate, rows: int, innovation: Array) -> float:
-    """z' R^-1 z of an innovation z, for the R of the last `make_independent`."""
+    """The misfit z' R^-1 z of an innovation z, for the R of the last `make_independent`."""
     z, R = estimate.independent_innovation, estimate.independent_R
     z[:] = innovation
     total = 0.0
@@ -166,7 +166,8 @@ def try_update(estimate: Estimate, rows: int, scale: float) -> float:
         z = estimate.independent_innovation[row]
         for i in range(PARAMETERS):
             z -= estimate.independent_H[row, i] * (p[i] - estimate.p[i])
-        chi_square += update_by_row(z, estimate.independent_H[row], estimate.independent_R[row, row], p, P, estimate.gain)
+        h, r = estimate.independent_H[row], estimate.independent_R[row, row]
+        chi_square += update_by_row(z, h, r, p, P, estimate.gain)
     return chi_square
 
 

@@ -46,13 +46,13 @@ class Twist(NamedTuple):
 
 @kernel
 def lateral_acceleration(gauge: float, left: float, right: float) -> float:
-    """a = |V_r^2 - V_l^2| / (2 B) of the track speeds, without slip. [m/s2]"""
+    """Of the track speeds without slip, a = |V_r^2 - V_l^2| / (2 B). [m/s2]"""
     return abs(right * right - left * left) / (2.0 * gauge)
 
 
 @kernel
 def curvature(gauge: float, left: float, right: float) -> float:
-    """k = 2 |V_r - V_l| / (B (|V_r| + |V_l|)) of the track speeds, without slip; bounded also at rest. [1/m]"""
+    """Of the track speeds without slip, k = 2 |V_r - V_l| / (B (|V_r| + |V_l|)), bounded also at rest. [1/m]"""
     return 2.0 * abs(right - left) / (gauge * max(abs(right) + abs(left), LEAST_SPEED))
 
 

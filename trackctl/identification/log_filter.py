@@ -59,7 +59,7 @@ def advance(state: State, ring: Ring, poses: Ring, updates: Ring, rows: Array) -
 @kernel
 def gap_limit(state: State) -> float:
     """Longest time between track speeds that is no gap. [s]"""
-    return max(GAP * state.interval, LEAST_GAP * state.window)
+    return float(max(GAP * state.interval, LEAST_GAP * state.window))
 
 
 @kernel
@@ -102,9 +102,7 @@ def take_speeds(state: State, ring: Ring, time: float, left: float, right: float
             state.gaps += 1
         if since > 0.0:
             state.interval += (min(since, state.window) - state.interval) * (NEW if state.interval > 0.0 else 1.0)
-            mended_left, state.left_roughness = without_spike(
-                state.left_before, state.left, left, state.left_roughness
-            )
+            mended_left, state.left_roughness = without_spike(state.left_before, state.left, left, state.left_roughness)
             mended_right, state.right_roughness = without_spike(
                 state.right_before, state.right, right, state.right_roughness
             )
@@ -130,7 +128,7 @@ def is_held(state: State, pose: Pose) -> bool:
     """Whether a sensor gives its last pose once more though the tracks have rolled."""
     last = state.last
     same = pose.yaw == last.yaw and (not pose.has_position or (pose.x == last.x and pose.y == last.y))
-    return same and pose.has_position == last.has_position and state.rolled > HELD_ROLL
+    return bool(same and pose.has_position == last.has_position and state.rolled > HELD_ROLL)
 
 
 @kernel

@@ -118,10 +118,10 @@ def measure(state: State, ring: Ring, poses: Ring, pose: Pose) -> int:
 @kernel
 def is_finite(values: Array) -> bool:
     """Whether all values are finite."""
+    finite = True
     for value in values:
-        if not math.isfinite(value):
-            return False
-    return True
+        finite = finite and math.isfinite(value)
+    return finite
 
 
 @kernel

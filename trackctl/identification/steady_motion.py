@@ -51,7 +51,7 @@ def steady_motions(model: TrackModel, speeds: Array, starts: Array | None = None
     guess = np.column_stack((mean, np.zeros(len(mean)), (speeds[:, 1] - speeds[:, 0]) / (WIDENING * model.gauge)))
     motions = guess.copy()
     if starts is not None:
-        motions = np.where(np.isfinite(starts).all(axis=1)[:, None], starts, guess)
+        motions = np.where(np.all(np.isfinite(starts), axis=1)[:, None], starts, guess)
     solve_all(model, RULE, np.ascontiguousarray(speeds), motions, np.zeros(1, workspace(3)), np.empty((3, 3)))
     return motions
 

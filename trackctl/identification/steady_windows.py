@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 LENGTH, LEAD = 1.0, 0.5
 #: How far speeds may be from their mean and still hold. [-], [m/s]
 HOLDS, HOLDS_AT_REST = 0.1, 0.03
+#: Time after which a stretch is tried again where speeds did not hold. [s]
+NEXT_TRY = 0.1
 #: Longest time between rows, as a share of the stretch.
 LONGEST_STEP = 0.5
 #: Slowest track that counts as rolling. [m/s]
@@ -65,6 +67,7 @@ def steady_windows(rows: Array) -> SteadyWindows:
             continue
         stretch = slice(first, last[0] + 1)
         if not holds(time[stretch], speeds[stretch]):
+            end = time[start] + NEXT_TRY
             continue
         end, duration = time[last[0]], time[last[0]] - time[start]
         found_speeds.append(np.average(speeds[start : last[0]], axis=0, weights=np.diff(time[start : last[0] + 1])))
@@ -78,7 +81,8 @@ def holds(time: Array, speeds: Array) -> bool:
     """Whether the track speeds hold, without a gap in them."""
     mean = speeds.mean(axis=0)
     off = np.abs(speeds - mean).max(axis=0)
-    return bool(np.diff(time).max(initial=0.0) <= LONGEST_STEP * LENGTH and (off <= HOLDS * np.abs(mean) + HOLDS_AT_REST).all())
+    close = np.all(off <= HOLDS * np.abs(mean) + HOLDS_AT_REST)
+    return bool(close and np.diff(time).max(initial=0.0) <= LONGEST_STEP * LENGTH)
 
 
 def body_displacement(start: Array, end: Array) -> Array:
@@ -100,8 +104,8 @@ def within_model(windows: SteadyWindows, contact_length: float) -> tuple[SteadyW
     that turns by half a turn while on the ground.
     """
     slowest = np.maximum(SLOWEST, MOST_TURN * np.abs(windows.twists[:, 2]) * contact_length / math.pi)
-    forward = (windows.speeds > slowest[:, None]).all(axis=1)
-    backward = (windows.speeds < -slowest[:, None]).all(axis=1)
+    forward = np.all(windows.speeds > slowest[:, None], axis=1)
+    backward = np.all(windows.speeds < -slowest[:, None], axis=1)
     kept = forward | backward
     back = backward[kept]
     speeds, twists = windows.speeds[kept].copy(), windows.twists[kept].copy()

@@ -101,7 +101,7 @@ def travel(ring: Ring, count: int, p: Array, gauge: float, start: float, end: fl
 def overlap(part: Any, start: float, end: float, is_last: bool) -> float:
     """How long an interval lasts between two times; the last one goes on."""
     ended = end if is_last else min(end, part.start + part.duration)
-    return max(ended - max(start, part.start), 0.0)
+    return float(max(ended - max(start, part.start), 0.0))
 
 
 @kernel

@@ -58,8 +58,6 @@ class IdentifyResult:
         what was learned had to be forgotten.
     errors
         Means of the prediction errors, see `ErrorMeans.summary`.
-    first, last
-        Time of the first and last update. [s]
     """
 
     slip: LearnedSlip
@@ -70,8 +68,6 @@ class IdentifyResult:
     gaps: int
     resets: int
     errors: dict[str, object]
-    first: float
-    last: float
 
 
 def identify(request: IdentifyRequest, emit: Emit = lambda columns: None) -> IdentifyResult:
@@ -99,18 +95,17 @@ def identify(request: IdentifyRequest, emit: Emit = lambda columns: None) -> Ide
     filter_ = LogFilter(
         FilterSettings(request.vehicle.track_gauge, request.model, request.kind, request.window, request.horizon)
     )
-    means, count, rejected, times = ErrorMeans(), 0, 0, []
+    means, count, rejected = ErrorMeans(), 0, 0
     for updates in filtered(filter_, request.log, request.vehicle.sprocket_radius):
         means.add(updates)
         count += len(updates)
         rejected += int(np.count_nonzero(~updates["accepted"]))
-        times = [*times[:1], *updates["pose"]["time"][[0, -1]].tolist()]
         emit(identify_columns(updates, request.model))
     if not count:
         raise NoAnswerError(f"{request.log}: there is no row with a time and a pose")
     return IdentifyResult(
         filter_.learned(), count, rejected, filter_.skipped, filter_.held, filter_.gaps, filter_.resets,
-        means.summary(), times[0], times[-1],
+        means.summary(),
     )  # fmt: skip
 
 
@@ -143,9 +138,7 @@ def slip_summary(request: IdentifyRequest, result: IdentifyResult) -> dict[str, 
         "updates": result.updates,
         "rejected": result.rejected,
         **result.errors,
-        "parameters": {
-            f"p{i + 1}": {"value": float(slip.p[i]), "std": float(std[i])} for i in request.model.learned
-        },
+        "parameters": {f"p{i + 1}": {"value": float(slip.p[i]), "std": float(std[i])} for i in request.model.learned},
         "model_error": {"position": slip.position_error, "heading": slip.heading_error},
         "skipped_rows": result.skipped_rows,
         "held_poses": result.held_poses,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.identification.identifier import Updates
-from trackctl.identification.slip_model import GEOMETRIC, PARAMETERS, SlipModel
+from trackctl.identification.slip_model import GEOMETRIC, SlipModel
 
 Array = NDArray[np.float64]
 Columns = dict[str, Array | NDArray[np.bool_]]
@@ -69,13 +68,3 @@ class ErrorMeans:
         model, no_slip = (self.sums[:, which] / self.counts[which]).tolist()
         reduction = 100.0 * (1.0 - model / no_slip) if no_slip > 0.0 else None
         return {"model": model, "no_slip": no_slip, "reduction_percent": reduction}
-
-
-def finite_or_none(value: float) -> float | None:
-    """The value for a JSON file, which has no NaN."""
-    return value if math.isfinite(value) else None
-
-
-def parameter_names(model: SlipModel) -> list[str]:
-    """Names of the parameters that a model learns."""
-    return [f"p{i + 1}" for i in range(PARAMETERS) if i in model.learned]
