@@ -114,8 +114,8 @@ def read_slip(path: str) -> SlipFile:
     entries = read_entries(content, file)
     refuse_keys(entries, file)
     filetype = entries["filetype"]
-    if filetype.node.value != FILETYPE:
-        raise filetype.error(f"{filetype.node.value!r} is not allowed; allowed: {FILETYPE}")
+    if plain_text(filetype) != FILETYPE:
+        raise filetype.error(f"{plain_text(filetype)!r} is not allowed; allowed: {FILETYPE}")
     version = number(entries["version"], 1.0, str(VERSION))
     if version != VERSION:
         raise entries["version"].error(f"{version:g} is not allowed; allowed: {VERSION}")
@@ -136,8 +136,8 @@ def read_slip(path: str) -> SlipFile:
         learned,
         plain_text(entries["log"]),
         int(value(entries["updates"], 0.0, 1e15)),
-        entries["created"].node.value,
-        entries["history"].node.value,
+        plain_text(entries["created"]),
+        plain_text(entries["history"]),
         file,
     )
 

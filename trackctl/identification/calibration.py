@@ -29,6 +29,8 @@ TRIED = ((0.1, 0.2, 0.4, 0.8), (0.001, 0.005, 0.02, 0.08), (0.0, 0.05, 0.15))
 PASSES = 3
 #: Step of the difference quotients, in ln or in the resistance. [-]
 STEP = 1e-3
+#: Information, relative to the most, that counts as none.
+NOTHING = 1e-9
 #: A parameter that is not determined keeps the assumed value unless that costs more than this many half chi-squares.
 MOST_COST = 2.0
 #: Median absolute deviation of a normal distribution over its standard deviation.
@@ -37,7 +39,7 @@ MAD = 0.6745
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A parameter: value, standard deviation, and whether the log determines it (else it is as assumed)."""
+    """A parameter: value, standard deviation with all others unknown, and whether that determines it."""
 
     value: float
     std: float
@@ -101,7 +103,9 @@ class Fit:
 
 
 def calibrate_ground(model: TrackModel, windows: SteadyWindows) -> Calibration:
-    """Fit friction, K and resistance; what the motions do not determine stays as `model` has it.
+    """Fit friction, K and resistance, and say which of them the motions determine.
+
+    Of those that they do not, the loosest stay as `model` has them until the rest can be fitted.
 
     On level ground at low speed all forces are in proportion to the friction, and it cannot be told: only the lateral
     acceleration and the resistance, over the friction, show.
@@ -116,20 +120,16 @@ def calibrate_ground(model: TrackModel, windows: SteadyWindows) -> Calibration:
     fit = Fit(model, windows)
     assumed = np.clip([getattr(model, name) for name in NAMES], LOWER, UPPER)
     free = np.ones(3, np.bool_)
-    spread = np.full(3, math.inf)
-    found = fitted(fit, first_guess(fit, assumed), free)
-    while True:
-        spread[free] = found.std[free]
-        loose = free & ~is_determined(found)
-        if not loose.any():
-            break
+    joint = found = fitted(fit, first_guess(fit, assumed), free)
+    while (loose := free & ~is_determined(found)).any():
         worst = int(np.argmax(np.where(loose, looseness(found), -1.0)))
         free[worst] = False
         found = without(fit, found, worst, assumed[worst], free)
     left = fit.motions(found.values) - fit.twists
     known = np.all(np.isfinite(left), axis=1)
     friction, modulus, resistance = (
-        Estimate(float(v), float(s), bool(f)) for v, s, f in zip(found.values, spread, free, strict=True)
+        Estimate(float(value), float(std), bool(known))
+        for value, std, known in zip(found.values, joint.std, is_determined(joint), strict=True)
     )
     stds = np.sqrt(np.mean(left[known] ** 2, axis=0)).tolist() if known.any() else [math.inf] * 3
     unsolved = int(np.count_nonzero(~known))
@@ -215,7 +215,8 @@ def standard_deviations(jacobian: Array, residuals: Array) -> Array:
     weight = 1.0 / np.sqrt(1.0 + residuals**2)
     information = jacobian.T @ (jacobian * weight[:, None])
     scale = np.sqrt(np.maximum(np.diag(information), 1e-12))
-    bread = np.linalg.pinv(information / np.outer(scale, scale), rcond=1e-12, hermitian=True) / np.outer(scale, scale)
+    size, direction = np.linalg.eigh(information / np.outer(scale, scale))
+    bread = (direction / np.maximum(size, NOTHING)) @ direction.T / np.outer(scale, scale)
     scores = jacobian * (residuals * weight)[:, None]
     sandwich = bread @ (scores.T @ scores) @ bread
     return np.asarray(np.sqrt(np.maximum(np.diag(bread), np.diag(sandwich))))

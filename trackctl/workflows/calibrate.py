@@ -120,7 +120,7 @@ def comment(result: Calibration, name: str) -> str:
     estimate = result.estimates[name]
     if estimate.determined:
         return f"  # fitted, standard deviation {estimate.std:.2g}"
-    return f"  # not determined by the log (standard deviation {estimate.std:.2g}): assumed, or at the end of its range"
+    return f"  # not determined by the log (standard deviation {estimate.std:.2g}); it goes with the other values here"
 
 
 def in_words(result: Calibration) -> str:
