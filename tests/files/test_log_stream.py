@@ -30,7 +30,9 @@ def test_numbers_and_empty_cells(read):
 
 
 def test_other_units_other_order_and_other_columns(read):
-    rows = read("note;yaw_deg;x_mm;y_m;time_ms;sprocket_rate_left_rpm;track_speed_right_kmph\na_b;90;1000;2;500;30;3.6\n")
+    rows = read(
+        "note;yaw_deg;x_mm;y_m;time_ms;sprocket_rate_left_rpm;track_speed_right_kmph\na_b;90;1000;2;500;30;3.6\n"
+    )
     assert rows[0] == pytest.approx([0.5, 0.1 * np.pi, 1.0, 1.0, 2.0, np.pi / 2])
 
 
@@ -105,7 +107,7 @@ def test_unreadable_files(tmp_path, kind):
 def test_a_pipe_is_read_as_it_comes(monkeypatch):
     """Rows are there before the pipe ends."""
     reader, writer = os.pipe()
-    with io.open(reader, "rb") as stream, io.open(writer, "wb", buffering=0) as pipe:
+    with open(reader, "rb") as stream, open(writer, "wb", buffering=0) as pipe:
         monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(stream))
         pipe.write((HEADER + "0,1,2,3,4,5\n1,1,2").encode())
         blocks = read_blocks("-", SOURCES)

@@ -81,4 +81,4 @@ def test_a_matrix_that_is_no_covariance_is_refused(tmp_path, entry):
 
 
 def test_names_are_those_of_the_columns():
-    assert NAMES == tuple(f"p{i}" for i in range(1, 12))
+    assert tuple(f"p{i}" for i in range(1, 12)) == NAMES

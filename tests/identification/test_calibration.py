@@ -146,7 +146,11 @@ def log(commands, interval=0.1):
 
 
 def test_windows_lie_within_steady_stretches():
-    commands = [((1.0, 1.2), (1.1, -0.1, 0.3), 3.0), ((2.0, 1.0), (1.4, 0.1, -1.0), 0.8), ((0.5, 0.5), (0.5, 0, 0), 4.0)]
+    commands = [
+        ((1.0, 1.2), (1.1, -0.1, 0.3), 3.0),
+        ((2.0, 1.0), (1.4, 0.1, -1.0), 0.8),
+        ((0.5, 0.5), (0.5, 0, 0), 4.0),
+    ]
     windows = steady_windows(log(commands))
     assert len(windows.speeds) == 5
     for speeds, twist in zip(windows.speeds, windows.twists, strict=True):

@@ -273,6 +273,14 @@ def test_prediction_with_a_known_model():
     assert np.array_equal(learner.learned().p, p)
 
 
+def test_the_last_row_holds_on_at_the_end_of_a_log():
+    rows = np.array([[0.0, 1.0, 1.0, 0.0, 0.0, 0.0], [0.1, 2.0, 2.0, 0.1, 0.0, 0.0]])
+    known = LearnedSlip(np.zeros(11), np.zeros((11, 11)), 0.0, 0.0)
+    learner = LogFilter(FilterSettings(GAUGE), known)
+    updates = np.concatenate([learner.feed(rows), learner.finish()])
+    assert updates["predicted"][:, 0] == pytest.approx([0.1 + 1.9 * 2.0, 0.1 + 2.0 * 2.0])
+
+
 def test_prediction_covariance_is_that_of_samples():
     random = np.random.default_rng(0)
     rows = many_turns(3, 40)

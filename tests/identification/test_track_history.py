@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 from slip_simulation import step, twist
 
-from trackctl.identification.track_history import INTERVALS, MOTION, append, first_at, mean_twist, ring
+from trackctl.identification.track_history import INTERVALS, MOTION, append, first_at, mean_twist, ring, travel_slopes
 from trackctl.identification.track_history import travel as travel_in_ring
-from trackctl.identification.track_history import travel_slopes
 
 GAUGE = 0.6
 P = np.array([0.02, 0.03, 0.01, 0.04, 0.05, -0.02, 0.1, -0.08, -0.03, 0.05, -0.04])

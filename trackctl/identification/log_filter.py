@@ -300,6 +300,10 @@ def give_up(state: State, ring: Ring, updates: Ring) -> None:
 @kernel
 def settle_all(state: State, ring: Ring, updates: Ring) -> None:
     """Settle all predictions, at the end of a log; the last track speeds hold on."""
+    if math.isfinite(state.left) and state.horizon > 0.0:
+        state.intervals = append(
+            ring, state.intervals, state.now, state.horizon, state.left, state.right, state.resolution
+        )
     while state.settled < state.updates:
         settle(state, ring, updates[state.settled % UPDATES])
         state.settled += 1
