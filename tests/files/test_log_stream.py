@@ -75,7 +75,7 @@ def test_optional_columns_are_nan(read):
     ],
 )
 def test_what_is_no_log_is_refused(read, content, line, words):
-    with pytest.raises(InputFileError, match="log.csv") as error:
+    with pytest.raises(InputFileError, match=r"log\.csv") as error:
         read(content)
     assert words in str(error.value)
     assert line is None or error.value.line == line

@@ -38,7 +38,7 @@ def test_travel_composes_over_parts_of_intervals():
     intervals, count = random_history()
     first, second = travel(intervals, count, P, 0.53, 1.27), travel(intervals, count, P, 1.27, 2.9)
     cos, sin = np.cos(first[2]), np.sin(first[2])
-    joined = first + [cos * second[0] - sin * second[1], sin * second[0] + cos * second[1], second[2]]
+    joined = first + np.array([cos * second[0] - sin * second[1], sin * second[0] + cos * second[1], second[2]])
     assert travel(intervals, count, P, 0.53, 2.9) == pytest.approx(joined, abs=1e-12)
 
 
