@@ -74,8 +74,20 @@ def test_identify_summary_is_the_mean_of_its_rows(run, log):
         assert summary[key]["reduction_percent"] == pytest.approx(100 * (1 - model / no_slip))
     slip = read_slip("slip.yaml")
     assert (slip.vehicle, slip.track_gauge, slip.log, slip.updates) == ("carrier-13t6", 2.464, "log.csv", 141)
-    assert [float(table[-1][f"p{i}"]) for i in range(1, 10)] == pytest.approx(slip.learned.p[:9])
-    assert summary["parameters"]["p7"]["value"] == slip.learned.p[6]
+    assert summary["parameters"]["p7"]["value"] == float(table[-1]["p7"])
+    assert summary["parameters"]["p7"]["std"] == float(table[-1]["p7_std"])
+
+
+def test_the_saved_model_predicts_other_stretches(run):
+    """It is of the ground of the log rather than of its last turn."""
+    lines = HUSKY.read_text().splitlines(keepends=True)
+    Path("first.csv").write_text("".join(lines[:601]))
+    Path("second.csv").write_text(lines[0] + "".join(lines[601:]))
+    run("identify", "first.csv", "--vehicle", "husky", "--save", "slip.yaml", "-o", "updates.csv")
+    summary = json.loads(run("predict", "second.csv", "--json").stdout)
+    # A minute of ten commands is little to learn from.
+    assert summary["position_error_m"]["reduction_percent"] > 0.0
+    assert summary["heading_error_rad"]["reduction_percent"] > 75.0
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def identify(
     ] = None,
     horizon_s: Horizon = 2.0,
     save: Annotated[
-        Path | None, typer.Option("--save", metavar="FILE", help="Write the learned slip model, for `predict`.")
+        Path | None, typer.Option("--save", metavar="FILE", help="Write a slip model of the log, for `predict`.")
     ] = None,
     output: options.Output = None,
     force: options.Force = False,
@@ -82,7 +82,9 @@ def identify(
         if output is not None and save.absolute() == output.absolute():
             raise UsageError("--save", save, "another file than --output")
         check_output(save, force)
-    request = IdentifyRequest(log_or_stdin(log), load_vehicle(vehicle), model, kind, window_s, horizon_s)
+    request = IdentifyRequest(
+        log_or_stdin(log), load_vehicle(vehicle), model, kind, window_s, horizon_s, save is not None
+    )
     announce_compilation(quiet)
     with csv_stream(destination) as emit:
         result = learn(request, emit)
@@ -114,7 +116,7 @@ def write_slip(save: Path, force: bool, request: IdentifyRequest, result: Identi
         vehicle.track_gauge,
         vehicle.sprocket_radius,
         request.model,
-        result.slip,
+        result.lasting,
         request.log,
         result.updates,
         made.created,
