@@ -14,7 +14,7 @@ from trackctl.identification.slip_model import FilterKind, SlipModel
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.update_columns import Columns, ErrorMeans, identify_columns
 
-#: Drift of the model that is saved, in prior variances a second: it holds for the ground of half a minute rather than of
+#: Drift of the model that is saved, in prior variances a second: it is of the ground of half a minute rather than of
 #: the last turn, and predicts other stretches of a log better. [1/s]
 LASTING_DRIFT = 5e-4
 #: Largest window and horizon. [s]
