@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 YAW_RATE_SCALE = 1e-6
 #: Below this speed the smoothing is that of this speed, so that it does not hide the start from rest. [m/s]
 SLOWEST = 1e-3
+NEWTON_STEPS = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,16 +188,16 @@ def constraint(model: ForceModel, reference: ReferencePoints, sideslip: Array, y
     )
 
 
-def quasi_steady_sideslip(model: ForceModel, reference: ReferencePoints) -> Array:
-    """Sideslip at which the constraint holds with the yaw turning as the path does, theta_s = kappa. [rad]
+def steady_sideslip(model: ForceModel, reference: ReferencePoints, yaw_gradient: Array) -> Array:
+    """Sideslip at which the constraint holds with a given yaw gradient, shape (n,). [rad]
 
-    On level ground tan(beta) = kappa |kappa| z / (c + a |kappa|); on a slope Newton's method goes on from there.
+    On level ground tan(beta) = kappa |theta_s| z / (c + a |theta_s|); on a slope Newton's method goes on from there.
     """
-    bend = np.abs(reference.curvature)
+    bend = np.abs(yaw_gradient)
     gravity = gravity_in_body(model, reference.tangent)
     lateral = reference.curvature * reference.squared_speed - gravity.left
     sideslip = -np.arctan2(bend * lateral, np.maximum(model.grip + reference.acceleration * bend, 0.1 * model.grip))
-    for _ in range(3 if model.slope else 0):
-        residual = constraint(model, reference, sideslip, reference.curvature)
+    for _ in range(NEWTON_STEPS if model.slope else 0):
+        residual = constraint(model, reference, sideslip, yaw_gradient)
         sideslip = sideslip - residual.value / residual.by_sideslip
     return sideslip

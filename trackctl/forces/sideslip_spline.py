@@ -14,7 +14,7 @@ from trackctl.forces.model import (
     ReferencePoints,
     Residual,
     constraint,
-    quasi_steady_sideslip,
+    steady_sideslip,
 )
 from trackctl.forces.reference import Reference
 from trackctl.forces.yaw import YawMotion, YawSolution
@@ -38,6 +38,8 @@ FEWEST = 20
 TOLERANCE = 1e-9
 REFINEMENTS = 12
 MOST_INTERVALS = 100_000
+#: Of the series for the sideslip at the ends, at most.
+TERMS = 6
 #: Near a jump in the reference no residual gets small; elsewhere those are let be that are this share of the largest.
 SHARE = 0.01
 #: So many first intervals on each side of a jump in the reference are left as they are.
@@ -77,7 +79,7 @@ class Mesh:
 
 
 def solve_spline(model: ForceModel, reference: Reference, intervals: int | None = None) -> YawSolution:
-    """The sideslip of least squared residual, by Gauss and Newton's method from the quasi-steady one.
+    """The sideslip of least squared residual, by Gauss and Newton's method from the steady one.
 
     Parameters
     ----------
@@ -157,9 +159,9 @@ class SplineProblem:
     weights
         Square roots of the quadrature weights, 0 at the ends.
     pins
-        1 at an end that the constraint leaves free, where the quasi-steady sideslip is asked for; 0 elsewhere.
-    quasi_steady
-        The sideslip if the yaw turned as the path does. [rad]
+        1 at an end that the constraint leaves free, where the steady sideslip is asked for; 0 elsewhere.
+    steady
+        The sideslip if the yaw turned as the path does, and at the ends without fast transients. [rad]
     span, basis, slopes
         Stretch of the spline that holds each point, its basis there, and the derivative of that.
     """
@@ -169,7 +171,7 @@ class SplineProblem:
     points: ReferencePoints
     weights: Array
     pins: Array
-    quasi_steady: Array
+    steady: Array
     span: Indices
     basis: Array
     slopes: Array
@@ -182,14 +184,16 @@ class SplineProblem:
         inner, weights = gauss_points(mesh.edges, POINTS)
         places = np.append(inner.ravel(), mesh.edges[[0, -1]])
         points, span = reference.at(places), space.span(places)
-        quasi_steady = quasi_steady_sideslip(model, points)
+        steady = steady_sideslip(model, points, points.curvature)
+        steady[-2] = slow_sideslip(model, reference, mesh.edges[1], mesh.edges[0])
+        steady[-1] = slow_sideslip(model, reference, mesh.edges[-2], mesh.edges[-1])
         return SplineProblem(
             model,
             space,
             points,
             np.append(np.sqrt(weights), [0.0, 0.0]),
-            free_ends(model, points, quasi_steady),
-            quasi_steady,
+            free_ends(model, points, steady),
+            steady,
             span,
             space.basis(places, span),
             space.basis(places, span, 1),
@@ -198,14 +202,14 @@ class SplineProblem:
     def solve(self) -> tuple[Spline, int]:
         """The spline of least sum of squares, and the number of iterations."""
         weights = self.weights + self.pins
-        start = solve_normal_equations(self.space, self.span, self.basis * weights, self.quasi_steady * weights)
+        start = solve_normal_equations(self.space, self.span, self.basis * weights, self.steady * weights)
         coefficients, iterations = gauss_newton(self.linearised, start)
         return Spline(self.space, coefficients), iterations
 
     def linearised(self, coefficients: Array) -> tuple[float, Callable[[], Array]]:
         """Sum of squares, and what solves the linearised problem."""
         sideslip, residual = self.constraint(coefficients)
-        right = self.weights * residual.value + self.pins * (sideslip - self.quasi_steady)
+        right = self.weights * residual.value + self.pins * (sideslip - self.steady)
 
         def step() -> Array:
             by_sideslip = self.weights * residual.by_sideslip + self.pins
@@ -226,10 +230,33 @@ class SplineProblem:
         return np.asarray(np.abs(residual.value[:-2]).reshape(-1, POINTS).max(axis=1))
 
 
+def slow_sideslip(model: ForceModel, reference: Reference, start: float, end: float) -> float:
+    """Sideslip at the end of a stretch of the one solution there that has no fast transient. [rad]
+
+    The constraint may be met with any sideslip at its free end, but with others the yaw jerks right there. That
+    solution is a series whose terms follow from each other: the steady sideslip for the slope of the sum so far.
+    It is summed while its terms go down.
+    """
+    nodes = 0.5 * (start + end) - 0.5 * (end - start) * np.cos(np.linspace(0.0, np.pi, TERMS + 1))
+    points = reference.at(np.append(nodes[:-1], np.nextafter(end, start)))
+    powers = np.vander((nodes - end) / (end - start), increasing=True)
+    slopes = np.zeros_like(powers)
+    slopes[:, 1:] = powers[:, :-1] * np.arange(1, TERMS + 1) / (end - start)
+    to_slopes = slopes @ np.linalg.inv(powers)
+    sideslip, last = steady_sideslip(model, points, points.curvature), np.inf
+    for _ in range(TERMS):
+        following = steady_sideslip(model, points, points.curvature - to_slopes @ sideslip)
+        term = np.abs(following - sideslip).max()
+        if term > 0.5 * last:
+            break
+        sideslip, last = following, term
+    return float(sideslip[-1])
+
+
 def free_ends(model: ForceModel, points: ReferencePoints, sideslip: Array) -> Array:
     """1 at the ends, the last two of the points, that the constraint leaves free, else 0.
 
-    Linearised about the quasi-steady sideslip it is an equation of first order. Where its solutions grow along
+    Linearised about the steady sideslip it is an equation of first order. Where its solutions grow along
     the path, as on level ground, they are told apart at the end; where they die out, at the start.
     """
     residual = constraint(model, points, sideslip, points.curvature)

@@ -10,7 +10,7 @@ from numpy.polynomial.chebyshev import Chebyshev, chebvander
 from numpy.typing import NDArray
 
 from trackctl.forces.gauss_newton import gauss_newton
-from trackctl.forces.model import ForceModel, ReferencePoints, constraint, quasi_steady_sideslip
+from trackctl.forces.model import ForceModel, ReferencePoints, constraint, steady_sideslip
 from trackctl.forces.reference import Reference
 from trackctl.forces.yaw import YawMotion, YawSolution
 from trackctl.geometry.gauss import gauss_points
@@ -65,7 +65,7 @@ def solve_polynomial(model: ForceModel, reference: Reference, order: int) -> Yaw
 
         return float(right @ right), step
 
-    quasi_steady = points.tangent - quasi_steady_sideslip(model, points)
-    start = np.linalg.lstsq(roots[:, None] * yaws, roots * quasi_steady)[0]
+    steady = points.tangent - steady_sideslip(model, points, points.curvature)
+    start = np.linalg.lstsq(roots[:, None] * yaws, roots * steady)[0]
     unknowns, iterations = gauss_newton(linearised, start)
     return YawSolution(PolynomialYaw(Chebyshev(unknowns, [0.0, length])), edges, np.empty(0), iterations)
