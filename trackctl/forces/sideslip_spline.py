@@ -38,6 +38,8 @@ FEWEST = 20
 TOLERANCE = 1e-9
 REFINEMENTS = 12
 MOST_INTERVALS = 100_000
+#: Weight of the sideslip asked for at an end against that of the constraint, which comes first.
+PIN = 1e-3
 #: Of the series for the sideslip at the ends, at most.
 TERMS = 6
 #: Near a jump in the reference no residual gets small; elsewhere those are let be that are this share of the largest.
@@ -104,7 +106,8 @@ def solve_spline(model: ForceModel, reference: Reference, intervals: int | None 
 def first_mesh(model: ForceModel, reference: Reference, intervals: int | None) -> Mesh:
     """Even intervals, with edges at the breaks of the reference."""
     length = reference.path.length
-    count = intervals or max(FEWEST, int(np.ceil(length / (CONTACT_SHARE * model.length))))
+    even = int(np.ceil(length / (CONTACT_SHARE * model.length)))
+    count = intervals or min(max(FEWEST, even), MOST_INTERVALS)
     width = length / count
     kinks = np.concatenate((reference.path.kinks, inflections(model, reference, np.linspace(0.0, length, count + 1))))
     jumps = np.concatenate((reference.path.jumps, reference.speed.jumps))
@@ -159,7 +162,7 @@ class SplineProblem:
     weights
         Square roots of the quadrature weights, 0 at the ends.
     pins
-        1 at an end that the constraint leaves free, where the steady sideslip is asked for; 0 elsewhere.
+        Weight of the steady sideslip, asked for at an end that the constraint leaves free; 0 elsewhere.
     steady
         The sideslip if the yaw turned as the path does, and at the ends without fast transients. [rad]
     span, basis, slopes
@@ -192,7 +195,7 @@ class SplineProblem:
             space,
             points,
             np.append(np.sqrt(weights), [0.0, 0.0]),
-            free_ends(model, points, steady),
+            np.sqrt(weights.sum(axis=1).min()) * PIN * free_ends(model, points, steady),
             steady,
             span,
             space.basis(places, span),
@@ -257,10 +260,11 @@ def free_ends(model: ForceModel, points: ReferencePoints, sideslip: Array) -> Ar
     """1 at the ends, the last two of the points, that the constraint leaves free, else 0.
 
     Linearised about the steady sideslip it is an equation of first order. Where its solutions grow along
-    the path, as on level ground, they are told apart at the end; where they die out, at the start.
+    the path, as on level ground, they are told apart at the end; where they die out, at the start. Right at an end
+    the path may be straight, and the equation none, so the Gauss points next to the ends decide.
     """
-    residual = constraint(model, points, sideslip, points.curvature)
+    by_yaw_gradient = constraint(model, points, sideslip, points.curvature).by_yaw_gradient
     pins = np.zeros(sideslip.size)
-    pins[-2] = residual.by_yaw_gradient[-2] > 0.0
-    pins[-1] = residual.by_yaw_gradient[-1] <= 0.0
+    pins[-2] = by_yaw_gradient[0] > 0.0
+    pins[-1] = by_yaw_gradient[-3] <= 0.0
     return pins

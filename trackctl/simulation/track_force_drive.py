@@ -22,7 +22,7 @@ from trackctl.errors import NoAnswerError
 Array = NDArray[np.float64]
 
 RELATIVE_TOLERANCE = 1e-10
-ABSOLUTE_TOLERANCE = 1e-12
+ABSOLUTE_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
