@@ -19,6 +19,7 @@ from trackctl import __version__
 from trackctl.cli import profiles
 from trackctl.cli.calibrate import calibrate
 from trackctl.cli.compute_lut import compute_lut
+from trackctl.cli.forces import forces
 from trackctl.cli.identify import identify
 from trackctl.cli.info import info
 from trackctl.cli.lookup import lookup
@@ -40,6 +41,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     info,
     sensitivity,
     sweep,
+    forces,
     identify,
     predict,
     calibrate,

@@ -5,7 +5,7 @@ s arc length, theta_s yaw gradient (yaw per arc length), z squared speed, a acce
 curvature. Where the paper has the slip angle beta there is the sideslip -beta = path tangent - yaw.
 
 A slope adds gravity's components in the plane, less weight on the ground, and the standing vehicle's shift of load
-by ``cog_height``. The load that driving shifts is left out, as in the paper. A mass centre off the contact centre is too.
+by ``cog_height``. The load that driving shifts is left out, as in the paper, and a mass centre off the contact centre.
 
 References
 ----------
@@ -68,7 +68,7 @@ class ForceModel:
 
     @property
     def grip(self) -> float:
-        """c = 2 mu_t N / (m L): lateral friction over mass, per length of zero-slide offset. [1/s2]"""
+        """The c = 2 mu_t N / (m L) of the paper: lateral friction over mass, per length of zero-slide offset. [1/s2]"""
         return 2.0 * self.lateral_friction * self.load / (self.mass * self.length)
 
 
@@ -137,7 +137,7 @@ class ReferencePoints:
 
     @property
     def speed(self) -> Array:
-        """v. [m/s]"""
+        """Of the mass centre. [m/s]"""
         return np.asarray(np.sqrt(self.squared_speed))
 
 

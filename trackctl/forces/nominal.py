@@ -148,7 +148,7 @@ class Limits:
     @property
     def feasible(self) -> Truths:
         """Whether each station breaks none."""
-        return ~np.logical_or.reduce([getattr(self, field.name) for field in fields(self)])
+        return np.asarray(~np.logical_or.reduce([getattr(self, field.name) for field in fields(self)]))
 
 
 def limits(model: ForceModel, reference: Reference, forces: NominalForces) -> Limits:
@@ -170,4 +170,4 @@ def required_friction(forces: NominalForces) -> Array:
         np.divide(np.abs(force), load, out=np.full(force.size, np.inf), where=load > 0.0)
         for force, load in ((forces.left, forces.load_left), (forces.right, forces.load_right))
     ]
-    return np.maximum(*shares)
+    return np.asarray(np.maximum(*shares))

@@ -6,11 +6,11 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import linprog
+from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, diags_array, vstack
 
 from trackctl.errors import NoAnswerError
-from trackctl.forces.model import ForceModel, ReferencePoints, gravity_in_body, steady_sideslip, smooth_magnitude
+from trackctl.forces.model import ForceModel, ReferencePoints, gravity_in_body, smooth_magnitude, steady_sideslip
 from trackctl.forces.nominal import friction_moment, limits, nominal_forces
 from trackctl.forces.reference import Reference
 from trackctl.forces.sideslip_spline import solve_spline
@@ -132,9 +132,7 @@ def fastest(
     """The squared speed of largest integral within the limits, for a yaw given at the Gauss points of intervals."""
     places, weights = (part.ravel() for part in gauss_points(edges, POINTS))
     space = SplineSpace(clamped_knots(edges, DEGREE), DEGREE)
-    squared, slope, bend = (
-        basis_matrix(space, at, order) for at, order in ((places, 0), (places, 1), (edges, 2))
-    )
+    squared, slope, bend = (basis_matrix(space, at, order) for at, order in ((places, 0), (places, 1), (edges, 2)))
     rises = np.full(edges.size, bounds.acceleration / (RISE * model.length))
     bounded = [
         (0.5 * slope, np.zeros(places.size), np.full(places.size, bounds.acceleration)),
@@ -145,15 +143,10 @@ def fastest(
         bounded.append((rows, limit.rest, limit.bound))
     matrix = vstack([rows for rows, _, _ in bounded])
     rest, bound = (np.concatenate(parts) for parts in list(zip(*bounded, strict=True))[1:])
-    boxes = np.full((space.size, 2), [min(bounds.ends, SLOWEST) ** 2, bounds.top**2])
-    boxes[[0, -1]] = bounds.ends**2
-    found = linprog(
-        -(weights @ squared),
-        A_ub=vstack((matrix, -matrix)),
-        b_ub=np.concatenate((bound - rest, bound + rest)),
-        bounds=boxes,
-        method="highs",
-    )
+    low, high = np.full(space.size, min(bounds.ends, SLOWEST) ** 2), np.full(space.size, bounds.top**2)
+    low[[0, -1]] = high[[0, -1]] = bounds.ends**2
+    limit = LinearConstraint(matrix, -bound - rest, bound - rest)
+    found = milp(-(weights @ squared), constraints=limit, bounds=Bounds(low, high))
     if not found.success:
         raise NoAnswerError(NO_SPEED)
     return from_spline(Spline(space, found.x))

@@ -131,9 +131,9 @@ def inflections(model: ForceModel, reference: Reference, edges: Array) -> Array:
     low, high = places[k], places[k + 1]
     at = 0.5 * (low + high)
     for _ in range(NEWTON_STEPS if k.size else 0):
-        points = reference.path.at(at)
-        slope = np.where(points.curvature_gradient == 0.0, np.inf, points.curvature_gradient)
-        at = np.clip(at - points.curvature / slope, low, high)
+        here = reference.path.at(at)
+        slope = np.where(here.curvature_gradient == 0.0, np.inf, here.curvature_gradient)
+        at = np.clip(at - here.curvature / slope, low, high)
     points = reference.at(at)
     jump = 4.0 * points.curvature_gradient**2 * points.squared_speed / model.grip
     return np.asarray(at[jump * np.diff(edges).max() ** 2 > TOLERANCE])

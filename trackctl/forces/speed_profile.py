@@ -71,7 +71,7 @@ def trapezoidal(length: float, start: float, peak: float) -> SpeedProfile:
 
 
 def smooth(length: float, start: float, peak: float) -> SpeedProfile:
-    """z = v0^2 + (vp^2 - v0^2) sin^2(pi s / S), every derivative of which is continuous."""
+    """Speed of z = v0^2 + (vp^2 - v0^2) sin^2(pi s / S), every derivative of which is continuous."""
     rise, rate = peak**2 - start**2, math.pi / length
     return SpeedProfile(
         lambda at: start**2 + rise * np.sin(rate * at) ** 2,
@@ -90,7 +90,8 @@ def from_spline(squared: Spline) -> SpeedProfile:
 def times(speed: SpeedProfile, stations: Array) -> Array:
     """Time at ascending arc lengths, from 0 at the first, shape (n,). [s]
 
-    Where the vehicle starts or ends at rest or nearly so, 1/v is integrated over the square root of the distance from there.
+    Where the vehicle starts or ends at rest or nearly so, 1/v is integrated over the square root of the distance
+    from there.
     """
     points, weights = gauss_points(stations, POINTS)
     fractions, shares = unit_rule(POINTS)

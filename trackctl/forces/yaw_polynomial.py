@@ -31,9 +31,7 @@ class PolynomialYaw:
     def at(self, arc_length: Array, reference: ReferencePoints) -> YawMotion:
         """See `Yaw`."""
         gradient = self.yaw.deriv()
-        return YawMotion(
-            reference.tangent - self.yaw(arc_length), gradient(arc_length), gradient.deriv()(arc_length)
-        )
+        return YawMotion(reference.tangent - self.yaw(arc_length), gradient(arc_length), gradient.deriv()(arc_length))
 
 
 def solve_polynomial(model: ForceModel, reference: Reference, order: int) -> YawSolution:
@@ -66,6 +64,6 @@ def solve_polynomial(model: ForceModel, reference: Reference, order: int) -> Yaw
         return float(right @ right), step
 
     steady = points.tangent - steady_sideslip(model, points, points.curvature)
-    start = np.linalg.lstsq(roots[:, None] * yaws, roots * steady)[0]
+    start = np.asarray(np.linalg.lstsq(roots[:, None] * yaws, roots * steady)[0], np.float64)
     unknowns, iterations = gauss_newton(linearised, start)
     return YawSolution(PolynomialYaw(Chebyshev(unknowns, [0.0, length])), edges, np.empty(0), iterations)

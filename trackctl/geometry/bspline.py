@@ -42,6 +42,7 @@ class SplineSpace:
         Parameters
         ----------
         at : ndarray, shape (n,)
+            The points.
         span : ndarray, shape (n,)
             The stretch that each point is taken to lie in, as of `span`.
         derivative
@@ -113,6 +114,7 @@ def solve_normal_equations(space: SplineSpace, span: Indices, rows: Array, right
     rows : ndarray, shape (degree + 1, n)
         Weights of the coefficients span - degree to span, as of `SplineSpace.basis`.
     right : ndarray, shape (n,) or (n, n_components)
+        Right sides.
 
     Returns
     -------

@@ -182,12 +182,13 @@ def lateral_friction(
 def interpolator(history: ForceHistory) -> Callable[[float], tuple[float, float]]:
     """Both forces of a history at a time, by cubic splines."""
     splines = CubicSpline(history.time, np.stack((history.total, history.difference), axis=1))
-    knots, pieces = splines.x.tolist(), splines.c.transpose(1, 2, 0).tolist()
+    knots: list[float] = splines.x.tolist()
+    pieces: list[list[list[float]]] = splines.c.transpose(1, 2, 0).tolist()
 
     def forces_at(time: float) -> tuple[float, float]:
         k = min(max(bisect(knots, time) - 1, 0), len(pieces) - 1)
         t = time - knots[k]
-        total, difference = (((a * t + b) * t + c) * t + d for a, b, c, d in pieces[k])
-        return total, difference
+        (a, b, c, d), (e, f, g, h) = pieces[k]
+        return ((a * t + b) * t + c) * t + d, ((e * t + f) * t + g) * t + h
 
     return forces_at

@@ -90,9 +90,7 @@ def moving(reference: Reference, edges: Array) -> Array:
     return np.asarray(graded[np.sqrt(reference.speed.squared(graded)) >= SLOWEST])
 
 
-def sampled_stretch(
-    model: ForceModel, reference: Reference, solution: YawSolution, stations: Array
-) -> NominalForces:
+def sampled_stretch(model: ForceModel, reference: Reference, solution: YawSolution, stations: Array) -> NominalForces:
     """Forces at stations so close that cubic splines over time meet those in between."""
     for _ in range(HALVINGS):
         middles = 0.5 * (stations[:-1] + stations[1:])
