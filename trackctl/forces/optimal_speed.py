@@ -145,8 +145,8 @@ def fastest(
     rest, bound = (np.concatenate(parts) for parts in list(zip(*bounded, strict=True))[1:])
     low, high = np.full(space.size, min(bounds.ends, SLOWEST) ** 2), np.full(space.size, bounds.top**2)
     low[[0, -1]] = high[[0, -1]] = bounds.ends**2
-    limit = LinearConstraint(matrix, -bound - rest, bound - rest)
-    found = milp(-(weights @ squared), constraints=limit, bounds=Bounds(low, high))
+    within = LinearConstraint(matrix, -bound - rest, bound - rest)
+    found = milp(-(weights @ squared), constraints=within, bounds=Bounds(low, high))
     if not found.success:
         raise NoAnswerError(NO_SPEED)
     return from_spline(Spline(space, found.x))

@@ -16,9 +16,12 @@ Array = NDArray[np.float64]
 
 #: Degree of the curve: its curvature has two continuous derivatives.
 DEGREE = 5
-#: Parts of the stretch between two knots in which the arc length is tabulated, and Gauss points in each.
-PARTS = 8
+#: Fewest parts of the stretch between two knots in which the arc length is tabulated, and Gauss points in each.
+PARTS = 1
 POINTS = 5
+#: Error of the parameter between the lines of the table, as a share of the length, and the most lines to that end.
+ACCURACY = 1e-13
+LARGEST_TABLE = 1_000_000
 #: A curve that slows to this share of its mean speed against the waypoints has a cusp, or nearly so.
 CUSP = 0.05
 
@@ -57,11 +60,6 @@ class SplinePath:
     def jumps(self) -> Array:
         """See `Path`; there are none."""
         return np.empty(0)
-
-    @property
-    def knots(self) -> Array:
-        """Arc lengths between which the curve is one polynomial. [m]"""
-        return self.arc_lengths[::PARTS]
 
     def at(self, arc_length: Array) -> PathPoints:
         """See `Path`."""
@@ -104,9 +102,22 @@ def fit_path(x: Array, y: Array, tolerance: float) -> tuple[SplinePath, Fit]:
 
 
 def spline_path(curve: Spline) -> SplinePath:
-    """A curve with its arc length tabulated."""
+    """A curve with its arc length tabulated, so densely that the middles of the table come out right."""
     knots = np.unique(curve.space.knots)
-    fractions = np.arange(PARTS) / PARTS
+    parts = PARTS
+    coarse = tabulated(curve, knots, parts)
+    while True:
+        parts *= 2
+        fine = tabulated(curve, knots, parts)
+        error = np.abs(coarse.parameter_at(fine.arc_lengths) - fine.parameters).max()
+        if error <= ACCURACY * fine.length or fine.parameters.size > LARGEST_TABLE:
+            return fine
+        coarse = fine
+
+
+def tabulated(curve: Spline, knots: Array, parts: int) -> SplinePath:
+    """A curve with a table of so many parts between two knots."""
+    fractions = np.arange(parts) / parts
     parameters = np.append((knots[:-1, None] + np.diff(knots)[:, None] * fractions).ravel(), knots[-1])
     points, weights = gauss_points(parameters, POINTS)
     velocity = curve(points.ravel(), 1).view(np.complex128)[:, 0]

@@ -10,7 +10,7 @@ import math
 from bisect import bisect
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,7 +183,7 @@ def interpolator(history: ForceHistory) -> Callable[[float], tuple[float, float]
     """Both forces of a history at a time, by cubic splines."""
     splines = CubicSpline(history.time, np.stack((history.total, history.difference), axis=1))
     knots: list[float] = splines.x.tolist()
-    pieces: list[list[list[float]]] = splines.c.transpose(1, 2, 0).tolist()
+    pieces: Any = splines.c.transpose(1, 2, 0).tolist()
 
     def forces_at(time: float) -> tuple[float, float]:
         k = min(max(bisect(knots, time) - 1, 0), len(pieces) - 1)

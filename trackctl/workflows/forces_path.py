@@ -119,7 +119,7 @@ def squared_speed(waypoints: Waypoints, path: SplinePath) -> Spline:
     if spline(inside).min() <= 0.0:
         raise InputFileError(
             waypoints.file,
-            "a smooth speed through these falls to 0 on the way; allowed: speeds that change more gently",
+            "a smooth speed through these falls to 0 on the way; allowed: gentler changes",
         )
     return spline
 

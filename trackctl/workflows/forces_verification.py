@@ -17,9 +17,10 @@ from trackctl.simulation.track_force_drive import BodyState, ForceHistory, Track
 Array = NDArray[np.float64]
 
 #: Error of the forces between two samples, as a share of the load.
-TOLERANCE = 1e-8
-#: Halvings between samples to that end; friction that turns round takes many.
+TOLERANCE = 1e-7
+#: Halvings between samples to that end, and the shortest time between two; friction turns round in less than 1e-4 s.
 HALVINGS = 40
+SHORTEST = 1e-7
 
 
 def largest_deviation(model: ForceModel, reference: Reference, solution: YawSolution) -> float:
@@ -99,7 +100,7 @@ def sampled_stretch(model: ForceModel, reference: Reference, solution: YawSoluti
         values = np.stack((forces.total, forces.difference), axis=1)
         spline = CubicSpline(forces.time[::2], values[::2])
         error = np.abs(spline(forces.time[1::2]) - values[1::2]).max(axis=1)
-        coarse = error > TOLERANCE * model.load
+        coarse = (error > TOLERANCE * model.load) & (np.diff(forces.time[::2]) > SHORTEST)
         if not coarse.any():
             break
         near = coarse.copy()  # splines spread their error to the neighbours
