@@ -86,8 +86,8 @@ def test_slopes_are_driven(uphill_yaw, cog_height):
     model = replace(MODEL, slope=math.radians(10.0), uphill_yaw=uphill_yaw, cog_height=cog_height)
     path = clothoid_arc_clothoid(6.0, 8.0, 6.0, 8.0)
     for curve in (CIRCLE, path):
-        # friction smoothed over 1e-6 rad/s lets a straight creep
-        assert spline_deviation(curve, speed_profile.smooth(curve.length, 0.5, 2.5), model) < 2e-5
+        # where the yaw turns round the smoothing of friction, over 1e-6 rad/s, costs up to 100 times that
+        assert spline_deviation(curve, speed_profile.smooth(curve.length, 0.5, 2.5), model) < 1e-4
 
 
 def test_what_a_slope_adds_is_needed():

@@ -53,6 +53,7 @@ REASONS = {
     "beyond_grip": "with a force beyond the friction of a track",
     "beyond_drive": "with a force beyond the drive of a track",
     "lifted": "with a track or its end lifted",
+    "unbalanced": "out of balance sideways",
 }
 
 

@@ -15,6 +15,9 @@ from trackctl.forces.yaw import Yaw
 Array = NDArray[np.float64]
 Truths = NDArray[np.bool_]
 
+#: Residual at which a motion is none of the vehicle's. The crudest fits that are of use stay below a third of it.
+UNBALANCED = 0.2
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NominalForces:
@@ -137,6 +140,8 @@ class Limits:
         A track would have to drive or brake with more than its drive can.
     lifted
         A track, or an end of both, carries no load.
+    unbalanced
+        The constraint is not met by far, so that these forces drive another motion.
     """
 
     curvature_jump: Truths
@@ -144,6 +149,7 @@ class Limits:
     beyond_grip: Truths
     beyond_drive: Truths
     lifted: Truths
+    unbalanced: Truths
 
     @property
     def feasible(self) -> Truths:
@@ -160,6 +166,7 @@ def limits(model: ForceModel, reference: Reference, forces: NominalForces) -> Li
         beyond_contact=~(np.abs(forces.zero_slide_offset) < 0.5 * model.length),
         beyond_grip=required_friction(forces) > model.longitudinal_friction,
         beyond_drive=largest > model.max_track_force,
+        unbalanced=~(np.abs(forces.residual) < UNBALANCED),
         lifted=(np.minimum(forces.load_left, forces.load_right) <= 0.0) | (6.0 * np.abs(load_offset) > model.length),
     )
 

@@ -10,6 +10,7 @@ from scipy.optimize import Bounds, LinearConstraint, milp
 from scipy.sparse import csr_array, diags_array, vstack
 
 from trackctl.errors import NoAnswerError
+from trackctl.forces.gauss_newton import ITERATIONS
 from trackctl.forces.model import ForceModel, ReferencePoints, gravity_in_body, smooth_magnitude, steady_sideslip
 from trackctl.forces.nominal import friction_moment, limits, nominal_forces
 from trackctl.forces.reference import Reference
@@ -26,6 +27,8 @@ Array = NDArray[np.float64]
 DEGREE = 3
 #: Points an interval at which the limits are asked for.
 POINTS = 3
+#: And at which they are checked in the end.
+CHECKS = 8
 #: Intervals are this share of the ground contact, if that gives no more than so many.
 CONTACT_SHARE = 0.25
 MOST_INTERVALS = 4000
@@ -33,6 +36,10 @@ MOST_INTERVALS = 4000
 RISE = 0.5
 #: Share of mu_t N used, so that the tracks keep sliding both ways.
 LATERAL_MARGIN = 0.999
+#: Share of c that braking in a turn may take up.
+BRAKING = 0.8
+#: Largest residual of a speed that is taken, solved on the intervals of the speed.
+BALANCED = 0.01
 #: Shares of the track forces' limits used, the first that the forces of the speed found then keep.
 MARGINS = (0.98, 0.95, 0.9, 0.8)
 #: Rounds to that end, and the change of the squared speed below which they end.
@@ -41,7 +48,7 @@ SETTLED = 1e-3
 #: Lowest speed on the way, where the ends are at rest. [m/s]
 SLOWEST = 0.01
 
-NO_SPEED = "no speed along this path keeps within the limits of friction and drive"
+NO_SPEED = "found no speed along this path that keeps within the limits of friction and drive"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +93,18 @@ def optimal_speed(model: ForceModel, path: Path, bounds: SpeedLimits) -> SpeedPr
     """
     for margin in MARGINS:
         speed = settled_speed(model, path, bounds, margin)
-        if speed is not None:
+        if speed is not None and is_drivable(model, Reference(path, speed)):
             return speed
     raise NoAnswerError(NO_SPEED)
+
+
+def is_drivable(model: ForceModel, reference: Reference) -> bool:
+    """Whether the yaw is found as finely as it needs to be, and the forces keep the limits all along."""
+    solution = solve_spline(model, reference)
+    edges = speed_edges(model, reference.path)
+    stations = np.union1d(edges, gauss_points(edges, CHECKS)[0])
+    forces = nominal_forces(model, reference, solution.yaw, stations)
+    return solution.iterations < ITERATIONS and bool(limits(model, reference, forces).feasible.all())
 
 
 def settled_speed(model: ForceModel, path: Path, bounds: SpeedLimits, margin: float) -> SpeedProfile | None:
@@ -106,7 +122,8 @@ def settled_speed(model: ForceModel, path: Path, bounds: SpeedLimits, margin: fl
         yaw = solve_spline(model, reference, edges.size - 1).yaw
         motion = mean_motion(motion, yaw.at(places, points), 2.0 / (k + 2.0))
         forces = nominal_forces(model, reference, yaw, stations)
-        if forces.time[-1] < least_time and limits(model, reference, forces).feasible.all():
+        drivable = limits(model, reference, forces).feasible.all() and np.abs(forces.residual).max() < BALANCED
+        if drivable and forces.time[-1] < least_time:
             best, least_time = speed, forces.time[-1]
         if best is not None and np.abs(points.squared_speed - squared).max() <= SETTLED * points.squared_speed.max():
             break
@@ -172,14 +189,21 @@ class ForceLimit:
 
 
 def force_limits(model: ForceModel, points: ReferencePoints, motion: YawMotion, margin: float) -> list[ForceLimit]:
-    """Limits of the lateral force over mass and of the force on each track, for a given yaw."""
+    """Limits of the lateral force over mass, of braking, and of the force on each track, for a given yaw.
+
+    Braking may not undo the friction that turns the sideslip back: c + a |theta_s| > 0.
+    """
     sine, cosine = np.sin(motion.sideslip), np.cos(motion.sideslip)
     gravity = gravity_in_body(model, points.tangent - motion.sideslip)
     magnitude = smooth_magnitude(motion.gradient, points)
     offset = -sine * motion.gradient / magnitude**2
     moment = friction_moment(model, gravity.load_offset, offset, motion.gradient / magnitude)
     sliding = np.full(sine.size, LATERAL_MARGIN * model.lateral_friction * model.load / model.mass)
-    found = [ForceLimit(points.curvature * cosine, sine, -gravity.left, sliding)]
+    bend, most = np.abs(motion.gradient), np.full(sine.size, 1e3 * model.grip)
+    found = [
+        ForceLimit(points.curvature * cosine, sine, -gravity.left, sliding),
+        ForceLimit(np.zeros(sine.size), bend, BRAKING * model.grip - most, most),  # only from below
+    ]
     shifted = model.mass * gravity.left * model.cog_height / model.gauge
     for side in (-1.0, 1.0):
         arm = 2.0 * side / model.gauge
