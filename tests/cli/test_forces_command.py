@@ -203,7 +203,7 @@ def test_output_file_and_step(run, tmp_path):
         (["--clothoid", "5,0,0,0"], "--clothoid: 0,0,0 is not allowed; allowed: a path longer than 0"),
         (
             ["--clothoid", "5,4,6,4", "--arc-deg", 9],
-            "--arc-deg: 9.0 is not allowed; allowed: nothing beside --clothoid",
+            "--arc-deg: 9.0 is not allowed; allowed: nothing beside --clo",
         ),
         (["--speed-mps", 0], "--speed-mps: 0.0 is not allowed; allowed: above 0 to 100"),
         (["--speed-mps", -1], "--speed-mps: -1.0 is not allowed"),

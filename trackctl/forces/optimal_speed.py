@@ -26,7 +26,9 @@ Array = NDArray[np.float64]
 #: Degree of the squared speed: the acceleration has a continuous derivative.
 DEGREE = 3
 #: Points an interval at which the limits are asked for.
-POINTS = 3
+POINTS = 4
+#: Intervals of the sideslip to one of the squared speed.
+REFINEMENT = 3
 #: And at which they are checked in the end.
 CHECKS = 8
 #: Intervals are this share of the ground contact, if that gives no more than so many.
@@ -38,10 +40,10 @@ RISE = 0.5
 LATERAL_MARGIN = 0.999
 #: Share of c that braking in a turn may take up.
 BRAKING = 0.8
-#: Largest residual of a speed that is taken, solved on the intervals of the speed.
+#: Largest residual of a speed that is taken, solved on so many intervals.
 BALANCED = 0.01
 #: Shares of the track forces' limits used, the first that the forces of the speed found then keep.
-MARGINS = (0.98, 0.95, 0.9, 0.8)
+MARGINS = (0.98, 0.96, 0.93, 0.9, 0.85, 0.8)
 #: Rounds to that end, and the change of the squared speed below which they end.
 ROUNDS = 16
 SETTLED = 1e-3
@@ -117,9 +119,11 @@ def settled_speed(model: ForceModel, path: Path, bounds: SpeedLimits, margin: fl
     best, least_time, squared = None, np.inf, np.zeros(places.size)
     for k in range(ROUNDS):
         speed = fastest(model, edges, points, motion, bounds, margin)
+        if speed is None:
+            break
         reference = Reference(path, speed)
         points = reference.at(places)
-        yaw = solve_spline(model, reference, edges.size - 1).yaw
+        yaw = solve_spline(model, reference, REFINEMENT * (edges.size - 1)).yaw
         motion = mean_motion(motion, yaw.at(places, points), 2.0 / (k + 2.0))
         forces = nominal_forces(model, reference, yaw, stations)
         drivable = limits(model, reference, forces).feasible.all() and np.abs(forces.residual).max() < BALANCED
@@ -145,8 +149,8 @@ def speed_edges(model: ForceModel, path: Path) -> Array:
 
 def fastest(
     model: ForceModel, edges: Array, points: ReferencePoints, motion: YawMotion, bounds: SpeedLimits, margin: float
-) -> SpeedProfile:
-    """The squared speed of largest integral within the limits, for a yaw given at the Gauss points of intervals."""
+) -> SpeedProfile | None:
+    """The squared speed of largest integral within the limits, for a yaw given at the Gauss points; None if none is."""
     places, weights = (part.ravel() for part in gauss_points(edges, POINTS))
     space = SplineSpace(clamped_knots(edges, DEGREE), DEGREE)
     squared, slope, bend = (basis_matrix(space, at, order) for at, order in ((places, 0), (places, 1), (edges, 2)))
@@ -160,13 +164,11 @@ def fastest(
         bounded.append((rows, limit.rest, limit.bound))
     matrix = vstack([rows for rows, _, _ in bounded])
     rest, bound = (np.concatenate(parts) for parts in list(zip(*bounded, strict=True))[1:])
-    low, high = np.full(space.size, min(bounds.ends, SLOWEST) ** 2), np.full(space.size, bounds.top**2)
+    low, high = np.full(space.size, min(bounds.ends, SLOWEST) ** 2), np.full(space.size, float(bounds.top) ** 2)
     low[[0, -1]] = high[[0, -1]] = bounds.ends**2
     within = LinearConstraint(matrix, -bound - rest, bound - rest)
     found = milp(-(weights @ squared), constraints=within, bounds=Bounds(low, high))
-    if not found.success:
-        raise NoAnswerError(NO_SPEED)
-    return from_spline(Spline(space, found.x))
+    return from_spline(Spline(space, found.x)) if found.success else None
 
 
 def basis_matrix(space: SplineSpace, places: Array, derivative: int) -> csr_array:
