@@ -2,7 +2,14 @@ import numpy as np
 import pytest
 from scipy.interpolate import BSpline
 
-from trackctl.geometry.bspline import Spline, SplineSpace, clamped_knots, solve_normal_equations
+from trackctl.geometry.bspline import (
+    FEW,
+    Spline,
+    SplineSpace,
+    clamped_knots,
+    solve_banded,
+    solve_normal_equations,
+)
 from trackctl.geometry.gauss import gauss_points
 
 BREAKS = np.array([0.0, 0.5, 0.7, 2.0, 3.0])
@@ -37,3 +44,13 @@ def test_normal_equations_are_those_of_least_squares():
 def test_gauss_points_integrate_polynomials():
     points, weights = gauss_points(BREAKS, 3)
     assert (points**5 * weights).sum() == pytest.approx(3.0**6 / 6.0, rel=1e-14)
+
+
+@pytest.mark.parametrize("size", [5, FEW, FEW + 1])
+def test_banded_systems_small_and_large(size):
+    random = np.random.default_rng(2)
+    banded = random.uniform(-1.0, 1.0, (3, size))
+    banded[-1] = 6.0
+    matrix = np.diag(banded[2]) + sum(np.diag(banded[2 - j, j:], j) + np.diag(banded[2 - j, j:], -j) for j in (1, 2))
+    right = random.normal(size=(size, 2))
+    assert matrix @ solve_banded(banded, right) == pytest.approx(right, abs=1e-12)
