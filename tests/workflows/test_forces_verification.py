@@ -80,7 +80,7 @@ def test_s_curves_are_driven_though_friction_turns_round():
     assert spline_deviation(path, speed_profile.smooth(path.length, 0.5, 2.0)) < 1e-4
 
 
-@pytest.mark.parametrize("uphill_yaw", [0.0, 1.0, -2.0])
+@pytest.mark.parametrize("uphill_yaw", [0.0, 1.0])
 @pytest.mark.parametrize("cog_height", [0.0, 0.6])
 def test_slopes_are_driven(uphill_yaw, cog_height):
     model = replace(MODEL, slope=math.radians(10.0), uphill_yaw=uphill_yaw, cog_height=cog_height)

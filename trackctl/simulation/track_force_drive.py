@@ -122,7 +122,7 @@ def drive(vehicle: TrackForceVehicle, start: BodyState, histories: Sequence[Forc
             derivative(vehicle, history),
             (times[0], times[-1]),
             state,
-            method="LSODA",
+            method="BDF",  # friction that turns round is stiff; LSODA may then not come back
             t_eval=times,
             rtol=RELATIVE_TOLERANCE,
             atol=ABSOLUTE_TOLERANCE,
