@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 #: Up to so many unknowns a dense solution is as quick, and spares the third of a second that scipy takes to load.
-FEW = 300
+FEW = 64
 
 
 @dataclass(frozen=True, slots=True, eq=False)
