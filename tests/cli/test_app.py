@@ -19,8 +19,15 @@ FULL_DISK = Path("/dev/full")
 TRACKCTL = [sys.executable, "-m", "trackctl"]
 
 
+def heed_interrupts():
+    """For a command that is to be interrupted, though these tests may run in the background, where nothing is."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def start(*words, **streams):
-    return subprocess.Popen([*TRACKCTL, *words], stderr=subprocess.PIPE, text=True, **streams)
+    return subprocess.Popen(
+        [*TRACKCTL, *words], stderr=subprocess.PIPE, text=True, **streams, preexec_fn=heed_interrupts
+    )
 
 
 def commands(command=None, path=()):
@@ -110,7 +117,7 @@ def test_ctrl_c_exits_130_without_a_traceback(tmp_path):
     process = start("profiles", "check", str(fifo), stdout=subprocess.PIPE)
     with fifo.open("w"):  # returns once the command reads
         process.send_signal(signal.SIGINT)
-        _, err = process.communicate()
+        _, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert "Traceback" not in err
 

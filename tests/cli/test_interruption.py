@@ -13,10 +13,15 @@ LONG = ("--steps", "velocity=.05,radius=1,heading=20", "--velocity-mps", "1:2", 
 PATIENCE = 300.0
 
 
+def heed_interrupts():
+    """For a command that is to be interrupted, though these tests may run in the background, where nothing is."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def start(folder, *words):
     environment = os.environ | {"SOURCE_DATE_EPOCH": "1"}
     command = [sys.executable, "-m", "trackctl", "compute-lut", *LONG, "-o", str(folder / "lut.h5"), *words]
-    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True)
+    return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
 
 
 def finished(process):
