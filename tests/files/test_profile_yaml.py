@@ -311,7 +311,7 @@ def test_a_file_without_permission_is_refused(tmp_path):
 
 
 SHIPPED = {
-    ProfileKind.VEHICLE: ["carrier-13t6", "m113", "marder", "shiller-1993", "tracked-ugv-61kg", "utv-61cm"],
+    ProfileKind.VEHICLE: ["carrier-13t6", "husky", "m113", "marder", "shiller-1993", "tracked-ugv-61kg", "utv-61cm"],
     ProfileKind.TERRAIN: [
         "asphalt",
         "clay",
