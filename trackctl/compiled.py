@@ -22,6 +22,7 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 # Everything but nnan and ninf: status checks rely on NaN.
 FASTMATH = {"reassoc", "contract", "arcp", "nsz", "afn"}
 KERNEL_ROOMS = ("mechanics", "solvers", "lut", "sensitivity", "identification")
+KERNEL_ROOMS = ("mechanics", "solvers", "lut", "sensitivity", "simulation")
 
 
 def cache_root() -> Path:

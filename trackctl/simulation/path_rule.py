@@ -1,0 +1,260 @@
+"""Track speeds that make the mass centre follow a path: the path rule, and the readings that it is compared with.
+
+A table of steady turns makes the heading turn at v kappa. On a slope the sideslip changes with the heading, so that the
+path turns at v kappa + d beta / dt, and commands read at the path's own curvature drift. The path rule solves the same
+equilibrium with the motion prescribed: yaw rate v (kappa - d beta / ds), with the accelerations of the path and the
+inertia of the yaw motion in the balance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicHermiteSpline
+from scipy.ndimage import gaussian_filter1d
+
+from trackctl.compiled import kernel
+from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
+from trackctl.mechanics.parameters import TrackModel
+from trackctl.mechanics.prescribed_motion import PrescribedMotion, prescribed_balance
+from trackctl.mechanics.quadrature import Rule
+from trackctl.mechanics.slip import body_speed, slip
+from trackctl.simulation.path import Path
+from trackctl.simulation.vehicle_rates import Scene
+from trackctl.solvers import levenberg_marquardt as lm
+from trackctl.solvers.workspace import workspace
+
+Array = NDArray[np.float64]
+
+TOLERANCE = 1e-10
+EVALUATIONS = 60
+#: Sample spacing and width of the Gaussian of the derivative along the path, over the contact length.
+SPACING, SMOOTHING = 1.0 / 24.0, 0.12
+#: How far a path is extended at its ends, over the contact length.
+EXTENSION = 3.0
+#: Passes with the derivative of the sideslip, after one without.
+PASSES = 2
+
+LOWER: Array = np.array([SLOWEST_TRACK, SLOWEST_TRACK, -LARGEST_SIDESLIP])
+UPPER: Array = np.array([FASTEST_TRACK, FASTEST_TRACK, LARGEST_SIDESLIP])
+
+
+#: Reads a table of steady turns: speed [m/s], curvature [1/m] and heading from up-slope [rad], arrays of shape (n,), to
+#: left and right track speed over speed [-] and sideslip [rad], shape (3, n), NaN where there is no answer.
+Reading = Callable[[Array, Array, Array], Array]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PathCommands:
+    """Track speeds over time along a path, arrays of shape (n,).
+
+    Attributes
+    ----------
+    path
+        What is to be followed.
+    time
+        From the start. [s]
+    track_speed_left, track_speed_right
+        [m/s]
+    sideslip
+        From the body's x axis to the tangent; the yaw is tangent - sideslip. [rad]
+    yaw_rate
+        [rad/s]
+    slip_left, slip_right
+        Of the tracks. [-]
+    residual
+        Largest residual of the balance, in weights and weights times contact length; 0 where none was solved. [-]
+    """
+
+    path: Path
+    time: Array
+    track_speed_left: Array
+    track_speed_right: Array
+    sideslip: Array
+    yaw_rate: Array
+    slip_left: Array
+    slip_right: Array
+    residual: Array
+
+
+@kernel
+def solve_along(
+    model: TrackModel, motions: Array, rule: Rule, memory: NDArray[np.void], unknowns: Array, residual: Array
+) -> None:
+    """Solve the prescribed balance at each sample.
+
+    Parameters
+    ----------
+    model
+        Vehicle on its terrain.
+    motions
+        Fields of the `PrescribedMotion` of each sample, shape (n, 5).
+    rule
+        Quadrature along the tracks.
+    memory
+        A `workspace(3)`, shape (1,).
+    unknowns
+        Left and right track speed over speed [-] and sideslip [rad], shape (n, 3): starts, replaced by the answers. A
+        sample whose start is NaN starts where the one before has ended.
+    residual
+        Receives the largest residual of each sample, shape (n,).
+    """
+    work = memory[0]
+    traction = np.empty(2)
+    x = np.empty(3)
+    for i in range(motions.shape[0]):
+        m = motions[i]
+        motion = PrescribedMotion(m[0], m[1], m[2], m[3], m[4])
+        start = i - 1 if math.isnan(unknowns[i, 0]) else i
+        for k in range(3):
+            x[k] = work.trial[k] = unknowns[start, k]
+            work.residual[k] = math.inf
+        damping = 0.0
+        for _ in range(EVALUATIONS):
+            prescribed_balance(model, motion, rule, work.trial, work.trial_residual, work.trial_jacobian, traction)
+            damping = lm.judge(x, damping, work)
+            while not lm.propose(x, damping, LOWER, UPPER, work) and damping < lm.LARGEST_DAMPING:
+                damping = lm.more_damping(damping)
+            if lm.is_solved(work, TOLERANCE) or damping >= lm.LARGEST_DAMPING:
+                break
+        residual[i] = lm.largest(work.residual)
+        for k in range(3):
+            unknowns[i, k] = x[k]
+
+
+def resampled(path: Path, length: float) -> tuple[Path, slice]:
+    """The path at even steps of a small share of the contact length, extended at both ends; and where it is in that."""
+    count = math.ceil(path.length / (SPACING * length)) + 1
+    step = path.length / (count - 1)
+    added = math.ceil(EXTENSION * length / step)
+    s = step * np.arange(-added, count + added)
+    inside = np.clip(s, 0.0, path.length)
+    curvature = np.interp(s, path.arc_length, path.curvature)
+    x, y, tangent = (
+        np.asarray(CubicHermiteSpline(path.arc_length, values, slopes)(inside), np.float64)
+        for values, slopes in (
+            (path.x, np.cos(path.tangent)),
+            (path.y, np.sin(path.tangent)),
+            (path.tangent, path.curvature),
+        )
+    )
+    # Linear in the square: constant acceleration between samples.
+    speed = np.sqrt(np.interp(s, path.arc_length, path.speed**2))
+    tangent += curvature * (s - inside)
+    return Path(s, x, y, tangent, curvature, speed), slice(added, -added)
+
+
+def along(values: Array, step: float, length: float) -> Array:
+    """Derivative along the path of the Gaussian-smoothed values."""
+    return np.asarray(gaussian_filter1d(values, SMOOTHING * length / step, order=1, mode="nearest") / step)
+
+
+def spacing(path: Path) -> float:
+    """Distance of the samples of a path that `resampled` has made. [m]"""
+    return float(path.arc_length[1] - path.arc_length[0])
+
+
+def no_slip_ratios(model: TrackModel, curvature: Array) -> Array:
+    """Track speeds over speed without slip, and no sideslip, shape (3, n)."""
+    left, right = (1.0 - curvature * (side * model.gauge - model.cog_left) for side in (0.5, -0.5))
+    return np.stack((left, right, np.zeros_like(curvature)))
+
+
+def path_commands(scene: Scene, path: Path) -> PathCommands:
+    """Commands of the path rule, from the equilibrium with the motion prescribed.
+
+    Three passes, the first of which takes the yaw to follow the path's curvature; see the module. Every residual is to
+    be checked: one unsolved sample wrecks a path.
+
+    Parameters
+    ----------
+    scene
+        Vehicle on the slope.
+    path
+        What the mass centre is to follow, with a continuous tangent. A jump of curvature asks for a jump of sideslip,
+        which no vehicle can do: blend it.
+    """
+    model = scene.model
+    fine, inner = resampled(path, model.length)
+    step, size = spacing(fine), fine.speed.size
+    heading, down = fine.tangent - scene.uphill_yaw, math.sin(scene.slope)
+    acceleration = 0.5 * np.gradient(fine.speed**2, step)
+    motions = np.zeros((size, len(PrescribedMotion._fields)))
+    motions[:, 0] = -down * np.cos(heading) - acceleration / model.gravity
+    motions[:, 1] = down * np.sin(heading) - fine.speed**2 * fine.curvature / model.gravity
+    motions[:, 2] = math.cos(scene.slope)
+    unknowns, residual, gradient = np.full((size, 3), np.nan), np.empty(size), fine.curvature
+    unknowns[0] = no_slip_ratios(model, fine.curvature[:1])[:, 0]
+    for turn in range(PASSES + 1):
+        if turn > 0:
+            gradient = fine.curvature - along(unknowns[:, 2], step, model.length)
+            turning = fine.speed * along(fine.speed * gradient, step, model.length)
+            motions[:, 4] = scene.gyration_square * turning / (model.gravity * model.length)
+        motions[:, 3] = gradient
+        solve_along(model, motions, scene.rule, np.zeros(1, workspace(3)), unknowns, residual)
+    return commands_of(scene, fine, inner, unknowns.T, gradient, residual)
+
+
+def read_path_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
+    """Commands of the path rule from a table of steady turns, read at the yaw rate that the path asks for.
+
+    What a table does not know is left out: the difference between the path's acceleration and that of a steady turn,
+    and the inertia of the yaw motion.
+    """
+    fine, inner = resampled(path, scene.model.length)
+    ratios, gradient = np.zeros((3, fine.speed.size)), fine.curvature
+    for turn in range(PASSES + 1):
+        if turn > 0:
+            gradient = fine.curvature - along(ratios[2], spacing(fine), scene.model.length)
+        ratios = read(fine.speed, gradient, fine.tangent - ratios[2] - scene.uphill_yaw)
+    return commands_of(scene, fine, inner, ratios, gradient, unread(ratios))
+
+
+def naive_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
+    """Commands of a table of steady turns read at the path's own curvature, for comparison: they drift on a slope."""
+    fine, inner = resampled(path, scene.model.length)
+    ratios = np.zeros((3, fine.speed.size))
+    for _ in range(PASSES + 1):
+        ratios = read(fine.speed, fine.curvature, fine.tangent - ratios[2] - scene.uphill_yaw)
+    return commands_of(scene, fine, inner, ratios, fine.curvature, unread(ratios))
+
+
+def no_slip_commands(scene: Scene, path: Path) -> PathCommands:
+    """Commands that would follow the path without slip, for comparison."""
+    fine, inner = resampled(path, scene.model.length)
+    ratios = no_slip_ratios(scene.model, fine.curvature)
+    return commands_of(scene, fine, inner, ratios, fine.curvature, unread(ratios))
+
+
+def unread(ratios: Array) -> Array:
+    """In place of residuals: 0 where there is an answer, else infinity."""
+    return np.where(np.isnan(ratios).any(axis=0), math.inf, 0.0)
+
+
+def commands_of(
+    scene: Scene, fine: Path, inner: slice, ratios: Array, gradient: Array, residual: Array
+) -> PathCommands:
+    """Commands along the inner part of a path, from track speed ratios and sideslip, shape (3, n)."""
+    s, x, y, tangent, curvature, speed = (
+        values[inner] for values in (fine.arc_length, fine.x, fine.y, fine.tangent, fine.curvature, fine.speed)
+    )
+    left, right, sideslip = ratios[:, inner]
+    gradient = gradient[inner]
+    bodies = [
+        body_speed(1.0, gradient, sideslip, side * scene.model.gauge - scene.model.cog_left) for side in (0.5, -0.5)
+    ]
+    return PathCommands(
+        Path(s, x, y, tangent, curvature, speed),
+        np.concatenate(([0.0], np.cumsum(2.0 * np.diff(s) / (speed[1:] + speed[:-1])))),
+        left * speed,
+        right * speed,
+        sideslip,
+        gradient * speed,
+        slip(left, bodies[0]),
+        slip(right, bodies[1]),
+        residual[inner],
+    )

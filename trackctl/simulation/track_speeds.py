@@ -1,0 +1,55 @@
+"""Track speeds over time, as pieces that are linear in time and in which no track changes its direction."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.simulation.integrator import PIECE, Pieces
+
+Array = NDArray[np.float64]
+
+#: In place of a zero at one end of a piece, over the speed at the other, so that the piece has one direction.
+BARELY_MOVING = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackSpeeds:
+    """Speeds of the left and right track over time, linear between samples, shape (n,). [s, m/s]"""
+
+    time: Array
+    left: Array
+    right: Array
+
+    def until(self, end: float) -> TrackSpeeds:
+        """The same speeds up to a time, the last ones held if it is later."""
+        time = np.append(self.time[self.time < end], end)
+        return TrackSpeeds(time, np.interp(time, self.time, self.left), np.interp(time, self.time, self.right))
+
+
+def constant_speeds(left: float, right: float, duration: float) -> TrackSpeeds:
+    """Speeds that do not change, from time 0."""
+    return TrackSpeeds(np.array([0.0, duration]), np.full(2, left), np.full(2, right))
+
+
+def speed_pieces(speeds: TrackSpeeds) -> Pieces:
+    """Pieces for the integrator, cut where a track changes its direction."""
+    crossings = [crossing_times(speeds.time, values) for values in (speeds.left, speeds.right)]
+    time = np.unique(np.concatenate([speeds.time, *crossings]))
+    pieces = np.zeros(time.size - 1, PIECE)
+    pieces["start"], pieces["end"] = time[:-1], time[1:]
+    for side, values, zeros in zip(("left", "right"), (speeds.left, speeds.right), crossings, strict=True):
+        at_cuts = np.where(np.isin(time, zeros), 0.0, np.interp(time, speeds.time, values))
+        start, end = at_cuts[:-1], at_cuts[1:]
+        pieces[side][:, 0] = np.where(start == 0.0, BARELY_MOVING * end, start)
+        pieces[side][:, 1] = np.where(end == 0.0, BARELY_MOVING * start, end)
+    return pieces
+
+
+def crossing_times(time: Array, values: Array) -> Array:
+    """Times between samples at which linearly interpolated values change their sign."""
+    changes = np.flatnonzero(values[:-1] * values[1:] < 0.0)
+    share = values[changes] / (values[changes] - values[changes + 1])
+    return np.asarray(time[changes] + share * (time[changes + 1] - time[changes]))
