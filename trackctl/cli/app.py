@@ -27,6 +27,7 @@ from trackctl.cli.plot import plot
 from trackctl.cli.predict import predict
 from trackctl.cli.registration import add_command, help_texts
 from trackctl.cli.sensitivity import sensitivity
+from trackctl.cli.simulate import simulate
 from trackctl.cli.sweep import sweep
 from trackctl.errors import NoAnswerError, TrackctlError
 
@@ -41,6 +42,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     info,
     sensitivity,
     sweep,
+    simulate,
     forces,
     identify,
     predict,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +25,7 @@ PERIOD = 0.02
 TURNING_GAIN = 1.5
 
 
-class Feedback(StrEnum):
+class Feedback(Enum):
     """What is measured and fed back."""
 
     NONE = "none"
@@ -67,7 +67,7 @@ def corrections(
 ) -> tuple[float, float]:
     """What feedback adds to the left and right track speed. [m/s]
 
-    r_c = -v (2/L e_psi + e_y/L^2) and V_lr += -(v/L) e_s -+ 1.5 (B/2) r_c, with the errors along and across the path
+    r_c = -|v| 2/L e_psi - v e_y/L^2 and V_lr += -|v|/L e_s -+ 1.5 (B/2) r_c, with the errors along and across the path
     and of the yaw; heading feedback knows the last only.
     """
     ahead, left = pose[0] - reference.x, pose[1] - reference.y
@@ -76,8 +76,9 @@ def corrections(
     yaw = math.remainder(pose[2] - (reference.tangent - reference.sideslip), 2.0 * math.pi)
     if feedback is Feedback.HEADING:
         along = across = 0.0
-    turning = -reference.speed * (2.0 / length * yaw + across / length**2)
-    both, each = -reference.speed / length * along, TURNING_GAIN * 0.5 * gauge * turning
+    pace = abs(reference.speed)
+    turning = -pace * 2.0 / length * yaw - reference.speed * across / length**2
+    both, each = -pace / length * along, TURNING_GAIN * 0.5 * gauge * turning
     return both - each, both + each
 
 

@@ -144,8 +144,8 @@ def resampled(path: Path, length: float) -> tuple[Path, slice]:
     )
     # Linear in the square: constant acceleration between samples.
     speed = np.sqrt(np.interp(s, path.arc_length, path.speed**2))
-    tangent += curvature * (s - inside)
-    return Path(s, x, y, tangent, curvature, speed), slice(added, -added)
+    beyond = np.asarray(tangent + curvature * (s - inside), np.float64)
+    return Path(s, x, y, beyond, curvature, speed), slice(added, -added)
 
 
 def along(values: Array, step: float, length: float) -> Array:

@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 
 
 #: Numbers of nodes to choose from, see `trackctl.mechanics.quadrature`; stretches of memory may be short.
-COUNTS = (6, 8, 12, 16, 24, 32, 48)
+COUNTS = (4, 6, 8, 12, 16, 24, 32, 48)
 
 
 class Scene(NamedTuple):
