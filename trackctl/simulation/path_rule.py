@@ -18,6 +18,8 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import gaussian_filter1d
 
 from trackctl.compiled import kernel
+from trackctl.lut.point import solve_points
+from trackctl.lut.table import Status
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.prescribed_motion import PrescribedMotion, prescribed_balance
@@ -131,7 +133,7 @@ def resampled(path: Path, length: float) -> tuple[Path, slice]:
     count = math.ceil(path.length / (SPACING * length)) + 1
     step = path.length / (count - 1)
     added = math.ceil(EXTENSION * length / step)
-    s = step * np.arange(-added, count + added)
+    s: Array = step * np.arange(-added, count + added, dtype=np.float64)
     inside = np.clip(s, 0.0, path.length)
     curvature = np.interp(s, path.arc_length, path.curvature)
     x, y, tangent = (
@@ -143,9 +145,8 @@ def resampled(path: Path, length: float) -> tuple[Path, slice]:
         )
     )
     # Linear in the square: constant acceleration between samples.
-    speed = np.sqrt(np.interp(s, path.arc_length, path.speed**2))
-    beyond = np.asarray(tangent + curvature * (s - inside), np.float64)
-    return Path(s, x, y, beyond, curvature, speed), slice(added, -added)
+    speed: Array = np.sqrt(np.interp(s, path.arc_length, path.speed**2))
+    return Path(s, x, y, tangent + curvature * (s - inside), curvature, speed), slice(added, -added)
 
 
 def along(values: Array, step: float, length: float) -> Array:
@@ -164,6 +165,15 @@ def no_slip_ratios(model: TrackModel, curvature: Array) -> Array:
     return np.stack((left, right, np.zeros_like(curvature)))
 
 
+def first_start(scene: Scene, path: Path) -> Array:
+    """Where to start solving a path's first sample: the steady turn there, or else no slip, shape (3,)."""
+    heading = path.tangent[0] - scene.uphill_yaw
+    cell = solve_points(scene.model, np.array([[scene.slope, path.speed[0], path.curvature[0], heading]]))[0]
+    if cell["status"] == Status.CONVERGED:
+        return np.asarray(cell["unknowns"], np.float64)
+    return no_slip_ratios(scene.model, path.curvature[:1])[:, 0]
+
+
 def path_commands(scene: Scene, path: Path) -> PathCommands:
     """Commands of the path rule, from the equilibrium with the motion prescribed.
 
@@ -180,23 +190,39 @@ def path_commands(scene: Scene, path: Path) -> PathCommands:
     """
     model = scene.model
     fine, inner = resampled(path, model.length)
-    step, size = spacing(fine), fine.speed.size
-    heading, down = fine.tangent - scene.uphill_yaw, math.sin(scene.slope)
-    acceleration = 0.5 * np.gradient(fine.speed**2, step)
-    motions = np.zeros((size, len(PrescribedMotion._fields)))
-    motions[:, 0] = -down * np.cos(heading) - acceleration / model.gravity
-    motions[:, 1] = down * np.sin(heading) - fine.speed**2 * fine.curvature / model.gravity
-    motions[:, 2] = math.cos(scene.slope)
-    unknowns, residual, gradient = np.full((size, 3), np.nan), np.empty(size), fine.curvature
-    unknowns[0] = no_slip_ratios(model, fine.curvature[:1])[:, 0]
+    step = spacing(fine)
+    motions, unknowns, residual = steady_turns(scene, fine)
+    motions[:, 0] -= 0.5 * np.gradient(fine.speed**2, step) / model.gravity
+    gradient = fine.curvature
     for turn in range(PASSES + 1):
         if turn > 0:
             gradient = fine.curvature - along(unknowns[:, 2], step, model.length)
             turning = fine.speed * along(fine.speed * gradient, step, model.length)
+            motions[:, 3] = gradient
             motions[:, 4] = scene.gyration_square * turning / (model.gravity * model.length)
-        motions[:, 3] = gradient
         solve_along(model, motions, scene.rule, np.zeros(1, workspace(3)), unknowns, residual)
     return commands_of(scene, fine, inner, unknowns.T, gradient, residual)
+
+
+def naive_commands(scene: Scene, path: Path) -> PathCommands:
+    """Commands of steady turns of the path's own curvature, as a table has them: on a slope they drift."""
+    fine, inner = resampled(path, scene.model.length)
+    motions, unknowns, residual = steady_turns(scene, fine)
+    solve_along(scene.model, motions, scene.rule, np.zeros(1, workspace(3)), unknowns, residual)
+    return commands_of(scene, fine, inner, unknowns.T, fine.curvature, residual)
+
+
+def steady_turns(scene: Scene, path: Path) -> tuple[Array, Array, Array]:
+    """`PrescribedMotion` of steady turns of a path's curvature, and unknowns and residuals to be solved for."""
+    heading, down, size = path.tangent - scene.uphill_yaw, math.sin(scene.slope), path.speed.size
+    motions = np.zeros((size, len(PrescribedMotion._fields)))
+    motions[:, 0] = -down * np.cos(heading)
+    motions[:, 1] = down * np.sin(heading) - path.speed**2 * path.curvature / scene.model.gravity
+    motions[:, 2] = math.cos(scene.slope)
+    motions[:, 3] = path.curvature
+    unknowns = np.full((size, 3), np.nan)
+    unknowns[0] = first_start(scene, path)
+    return motions, unknowns, np.empty(size)
 
 
 def read_path_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
@@ -214,8 +240,8 @@ def read_path_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
     return commands_of(scene, fine, inner, ratios, gradient, unread(ratios))
 
 
-def naive_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
-    """Commands of a table of steady turns read at the path's own curvature, for comparison: they drift on a slope."""
+def read_naive_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
+    """Commands of a table of steady turns read at the path's own curvature; see `naive_commands`."""
     fine, inner = resampled(path, scene.model.length)
     ratios = np.zeros((3, fine.speed.size))
     for _ in range(PASSES + 1):

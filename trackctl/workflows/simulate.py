@@ -13,7 +13,6 @@ from trackctl.errors import NoAnswerError
 from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import read_lut
 from trackctl.lut.interpolation import interpolant, look_up
-from trackctl.lut.point import solve_points
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.following import Feedback, deviation, follow, start_on
@@ -27,6 +26,7 @@ from trackctl.simulation.path_rule import (
     naive_commands,
     no_slip_commands,
     path_commands,
+    read_naive_commands,
     read_path_commands,
 )
 from trackctl.simulation.track_forces import FrictionVehicle, TrackForces, drive_by_forces
@@ -176,12 +176,11 @@ def circle_commands(request: SimulateRequest, ground: Scene, path: TargetPath, s
     """Commands along a path, all of them solved."""
     if steering is Steering.NO_SLIP:
         commands = no_slip_commands(ground, path)
-    elif steering is Steering.TABLE:
-        commands = naive_commands(ground, path, reading(request, ground))
     elif request.lut is None:
-        commands = path_commands(ground, path)
+        commands = (naive_commands if steering is Steering.TABLE else path_commands)(ground, path)
     else:
-        commands = read_path_commands(ground, path, reading(request, ground))
+        by_table = read_naive_commands if steering is Steering.TABLE else read_path_commands
+        commands = by_table(ground, path, reading(request, request.lut))
     unsolved = np.flatnonzero(~(commands.residual <= LARGEST_RESIDUAL))
     if unsolved.size:
         place = commands.path.arc_length[unsolved[0]]
@@ -194,17 +193,10 @@ def circle_commands(request: SimulateRequest, ground: Scene, path: TargetPath, s
     return commands
 
 
-def reading(request: SimulateRequest, ground: Scene) -> Reading:
-    """The table of steady turns: a file's, or solved as it is read."""
-    if request.lut is None:
-
-        def solve(speed: Array, curvature: Array, heading: Array) -> Array:
-            points = np.stack((np.full_like(speed, request.slope), speed, curvature, heading), axis=1)
-            return np.asarray(solve_points(ground.model, points)["unknowns"].T)
-
-        return solve
-    table = read_lut(request.lut)
-    check_matches(table, request.vehicle, request.terrain, request.gravity, request.lut)
+def reading(request: SimulateRequest, lut: Path) -> Reading:
+    """The table of steady turns in a file."""
+    table = read_lut(lut)
+    check_matches(table, request.vehicle, request.terrain, request.gravity, lut)
     packed = interpolant(table)
 
     def read(speed: Array, curvature: Array, heading: Array) -> Array:
