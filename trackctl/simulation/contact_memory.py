@@ -19,7 +19,7 @@ from trackctl.compiled import kernel
 Array = NDArray[np.float64]
 
 #: Length of a stretch of memory that is integrated in one, over its shortest piece.
-PIECES_TOGETHER = 12.0
+PIECES_TOGETHER = 8.0
 #: Shoes laid down in a step: labels from `lower` to `upper`; xi = label + rate theta + change theta^2; coefficients in
 #: theta, lowest first, of the world point of the contact's end and of the body's forward direction.
 ENTRY = np.dtype(
@@ -90,14 +90,15 @@ def forget(memory: Memory, entries: Entries, half_length: float) -> None:
 
 
 @kernel
-def panel_end(memory: Memory, entries: Entries, index: int, side: float) -> float:
-    """Label up to which pieces from `index` on, away from the end at `side`, are integrated in one.
+def panel(memory: Memory, entries: Entries, index: int, side: float) -> tuple[float, int]:
+    """Label up to which pieces from `index` on, away from the end at `side`, are integrated in one, and their number.
 
     Steps shorten where the motion changes quickly: pieces go together while they are of like length.
     """
     step = -1 if side > 0.0 else 1
     piece = entries[slot(memory, entries, index)]
     smallest = span = piece.upper - piece.lower
+    count = 1
     while 0 <= index + step < memory.count:
         following = entries[slot(memory, entries, index + step)]
         rough = piece.rough_below or following.rough_above if side > 0.0 else piece.rough_above or following.rough_below
@@ -107,7 +108,8 @@ def panel_end(memory: Memory, entries: Entries, index: int, side: float) -> floa
             break
         index += step
         piece = following
-    return float(piece.lower if side > 0.0 else piece.upper)
+        count += 1
+    return float(piece.lower if side > 0.0 else piece.upper), count
 
 
 @kernel
@@ -127,7 +129,7 @@ def entry_time(entry: Entries, label: float) -> float:
     """Theta at which a shoe was laid down."""
     gone = label - entry.label
     square = entry.rate * entry.rate + 4.0 * entry.change * gone
-    root = math.copysign(math.sqrt(max(square, 0.0)), gone)
+    root = math.copysign(math.sqrt(max(square, 0.0)), entry.rate)
     total = entry.rate + root
     return 0.0 if total == 0.0 else 2.0 * gone / total
 

@@ -12,12 +12,14 @@ from trackctl.mechanics.equilibrium import sharpness, split
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.quadrature import Rule, choose
 from trackctl.mechanics.shear import Stretch, TrackMotion, boundary_layer, singularities
-from trackctl.simulation.contact_memory import Entries, Memory, cubic, entry_time, find, newest, panel_end, slot
+from trackctl.simulation.contact_memory import Entries, Memory, cubic, entry_time, find, newest, panel, slot
 
 #: Sliding below this has not settled its direction, so that a vehicle can come to rest. [m/s]
 SLIDING_FLOOR = 1e-5
 #: What is too short to be a stretch of its own, over the contact's length.
 REACH = 1e-9
+#: Nodes that a stretch of memory has more than pieces.
+NODES_BESIDE_PIECES = 3
 #: A track slower than this counts as so fast in the time that its shoes have been on the ground. [m/s]
 SLOWEST_TRACK = 1e-6
 
@@ -111,6 +113,7 @@ def track_force(
     length = ground.front - ground.rear
     piece = newest(memory, side)
     Q_0 = Q_y = Q_xy = 0.0
+    least = 0
     front = ground.front
     while front > ground.rear:
         rear = ground.rear
@@ -118,11 +121,15 @@ def track_force(
             rear = middle
         if remember:
             piece = find(memory, entries, memory.travel + side * (front + unloaded - REACH * length), piece, side)
-            end = side * (panel_end(memory, entries, piece, side) - memory.travel) - unloaded
+            label, pieces = panel(memory, entries, piece, side)
+            least = pieces + NODES_BESIDE_PIECES
+            end = side * (label - memory.travel) - unloaded
             if rear < end < front:
                 rear = end
         part = Stretch(rear, front)
         row = choose(rule, sharpness(near, part), boundary_layer(moving, model.shear_modulus, part))
+        while rule.counts[row] < least and row < rule.counts.size - 1:
+            row += 1
         for k in range(rule.counts[row]):
             x = front - (front - rear) * rule.nodes[row, k]
             sy = motion.lateral_speed + motion.curvature * x
