@@ -17,8 +17,8 @@ from trackctl.errors import NoAnswerError, UsageError
 from trackctl.workflows.steering import Measured, Steering
 
 if TYPE_CHECKING:
-    from trackctl.profiles.vehicle import VehicleProfile
-    from trackctl.simulation.motion import State
+    from typing import Any
+
     from trackctl.workflows.drive_commands import DriveCommands
     from trackctl.workflows.simulate import CircleTarget, SimulateResult
 
@@ -111,10 +111,10 @@ def simulate(
       trackctl simulate --track-speeds-mps 0.2567,0.5 --duration-s 70 --json
     """
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
-    from trackctl.simulation.track_forces import TrackForces
     from trackctl.workflows.simulate import (
         CircleTarget,
         SimulateRequest,
+        is_forced,
         motion_columns,
         result_summary,
         run_simulation,
@@ -139,7 +139,7 @@ def simulate(
         raise UsageError("--lut", lut, "only for a circle, with --commands path or table")
     if commands is not Steering.PATH and not is_circle:
         raise UsageError("--commands", commands.value, "only for a circle")
-    forced = not isinstance(drive, CircleTarget) and isinstance(drive.commands, TrackForces)
+    forced = is_forced(drive)
     has_target = isinstance(drive, CircleTarget) or drive.target is not None
     if feedback is not Measured.NONE and (forced or not has_target):
         raise UsageError("--feedback", feedback.value, "only for a circle, or track speeds with a target beside them")
@@ -190,7 +190,7 @@ def chosen_drive(
     commands_csv: str | None,
     track_speeds: str | None,
     duration: float | None,
-    carrier: VehicleProfile,
+    carrier: Any,
     radius: float | None,
     speed: float | None,
     laps: int | None,
@@ -198,9 +198,8 @@ def chosen_drive(
 ) -> CircleTarget | DriveCommands:
     """What the vehicle is to do."""
     from trackctl.files.csv_table import read_csv
-    from trackctl.simulation.track_speeds import constant_speeds
-    from trackctl.workflows.drive_commands import DriveCommands, read_commands
-    from trackctl.workflows.simulate import CircleTarget
+    from trackctl.workflows.drive_commands import read_commands
+    from trackctl.workflows.simulate import CircleTarget, constant_drive
 
     if commands_csv is not None:
         return read_commands(read_csv(commands_csv), carrier.sprocket_radius)
@@ -210,7 +209,7 @@ def chosen_drive(
         left, right = numbers_of(track_speeds, "--track-speeds-mps", "LEFT,RIGHT, two numbers up to 100 either way", 2)
         for value in (left, right):
             check_within("--track-speeds-mps", value, -FASTEST, FASTEST)
-        return DriveCommands(constant_speeds(left, right, duration), None)
+        return constant_drive(left, right, duration)
     target = CircleTarget(
         DEFAULT_RADIUS if radius is None else radius,
         DEFAULT_SPEED if speed is None else speed,
@@ -235,12 +234,12 @@ def numbers_of(text: str, option: str, allowed: str, count: int) -> list[float]:
     return [number(part, option, allowed) for part in parts]
 
 
-def initial_state(text: str) -> State:
+def initial_state(text: str) -> Any:
     """``X,Y,YAW_DEG`` at rest."""
-    from trackctl.simulation.motion import State
+    from trackctl.workflows.simulate import rest_at
 
     x, y, yaw = numbers_of(text, "--initial", "X,Y,YAW_DEG, three numbers", 3)
-    return State(x, y, math.radians(yaw))
+    return rest_at(x, y, math.radians(yaw))
 
 
 def request_duration(drive: CircleTarget | DriveCommands, duration: float | None) -> float:

@@ -134,7 +134,7 @@ def deviation(path: Path, x: Array, y: Array) -> Array:
     # The two nearest: where a path closes, the end of one lap and the start of the next are the same place.
     nearest = KDTree(corners).query(points, k=2)[1].T
     distance = np.full(x.size, np.inf)
-    for first in (*(nearest - 1), *nearest):
+    for first in np.concatenate((nearest - 1, nearest)):
         start = corners[np.clip(first, 0, len(corners) - 2)]
         side = corners[np.clip(first, 0, len(corners) - 2) + 1] - start
         square = np.maximum((side**2).sum(axis=1), np.finfo(np.float64).tiny)

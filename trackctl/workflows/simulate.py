@@ -30,7 +30,7 @@ from trackctl.simulation.path_rule import (
     read_path_commands,
 )
 from trackctl.simulation.track_forces import FrictionVehicle, TrackForces, drive_by_forces
-from trackctl.simulation.track_speeds import TrackSpeeds
+from trackctl.simulation.track_speeds import TrackSpeeds, constant_speeds
 from trackctl.simulation.vehicle_rates import Scene, scene
 from trackctl.workflows.drive_commands import DriveCommands, target_commands
 from trackctl.workflows.steering import Measured, Steering
@@ -298,6 +298,21 @@ def drive_forced(request: SimulateRequest, forces: TrackForces, drive: DriveComm
         load,
     )
     return SimulateResult(motion, [], None, away, "")
+
+
+def rest_at(x: float, y: float, yaw: float) -> State:
+    """At rest, at x, y [m] and yaw. [rad]"""
+    return State(x, y, yaw)
+
+
+def is_forced(drive: CircleTarget | DriveCommands) -> bool:
+    """Whether track forces drive the vehicle."""
+    return isinstance(drive, DriveCommands) and isinstance(drive.commands, TrackForces)
+
+
+def constant_drive(left: float, right: float, duration: float) -> DriveCommands:
+    """Constant track speeds [m/s] for a time. [s]"""
+    return DriveCommands(constant_speeds(left, right, duration), None)
 
 
 def motion_columns(motion: Motion) -> dict[str, Array]:
