@@ -90,15 +90,14 @@ def forget(memory: Memory, entries: Entries, half_length: float) -> None:
 
 
 @kernel
-def panel(memory: Memory, entries: Entries, index: int, side: float) -> tuple[float, int]:
-    """Label up to which pieces from `index` on, away from the end at `side`, are integrated in one, and their number.
+def panel(memory: Memory, entries: Entries, index: int, side: float) -> float:
+    """Label up to which pieces from `index` on, away from the end at `side`, are integrated in one.
 
     Steps shorten where the motion changes quickly: pieces go together while they are of like length.
     """
     step = -1 if side > 0.0 else 1
     piece = entries[slot(memory, entries, index)]
     smallest = span = piece.upper - piece.lower
-    count = 1
     while 0 <= index + step < memory.count:
         following = entries[slot(memory, entries, index + step)]
         rough = piece.rough_below or following.rough_above if side > 0.0 else piece.rough_above or following.rough_below
@@ -108,8 +107,7 @@ def panel(memory: Memory, entries: Entries, index: int, side: float) -> tuple[fl
             break
         index += step
         piece = following
-        count += 1
-    return float(piece.lower if side > 0.0 else piece.upper), count
+    return float(piece.lower if side > 0.0 else piece.upper)
 
 
 @kernel

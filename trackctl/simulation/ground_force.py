@@ -8,18 +8,19 @@ from typing import NamedTuple
 from trackctl.compiled import kernel
 from trackctl.mechanics.contact import Contact, contact
 from trackctl.mechanics.elementary_functions import LARGEST_HALF_ANGLE, cosine, decay, sinc
-from trackctl.mechanics.equilibrium import sharpness, split
+from trackctl.mechanics.equilibrium import split
 from trackctl.mechanics.parameters import TrackModel
-from trackctl.mechanics.quadrature import Rule, choose
-from trackctl.mechanics.shear import Stretch, TrackMotion, boundary_layer, singularities
+from trackctl.mechanics.shear import TrackMotion
 from trackctl.simulation.contact_memory import Entries, Memory, cubic, entry_time, find, newest, panel, slot
+from trackctl.simulation.graded_quadrature import GradedRule
 
 #: Sliding below this has not settled its direction, so that a vehicle can come to rest. [m/s]
 SLIDING_FLOOR = 1e-5
-#: What is too short to be a stretch of its own, over the contact's length.
+#: What is too short to be a stretch of its own, and the step of difference quotients, over the contact's length.
 REACH = 1e-9
-#: Nodes that a stretch of memory has more than pieces.
-NODES_BESIDE_PIECES = 3
+DIFFERENCE = 1e-6
+#: Gauss-Newton steps towards a shoe that has come back over its point of entry.
+RETURN_STEPS = 4
 #: A track slower than this counts as so fast in the time that its shoes have been on the ground. [m/s]
 SLOWEST_TRACK = 1e-6
 
@@ -50,22 +51,107 @@ def mirrored(motion: TrackMotion, ground: Contact) -> tuple[TrackMotion, Contact
     )
 
 
+class Track(NamedTuple):
+    """A track at an instant, its front being the end where shoes enter.
+
+    Attributes
+    ----------
+    motion
+        With speeds in m/s and the yaw rate, in rad/s, as curvature; the track's speed is positive.
+    ground
+        Where it touches the ground, and the strength of the ground.
+    side
+        1 if the front is the vehicle's, -1 if it is the vehicle's rear.
+    unloaded
+        How far the ground begins behind the end of the track. [m]
+    frame
+        Where it is in the world.
+    """
+
+    motion: TrackMotion
+    ground: Contact
+    side: float
+    unloaded: float
+    frame: Frame
+
+
 @kernel
-def present_displacement(motion: TrackMotion, travel: float, sy: float, longest: float) -> float:
-    """Shear displacement of a shoe if the present motion has lasted since its entry, `travel` ahead. [m]
+def present_displacement(track: Track, x: float) -> tuple[float, float]:
+    """Shear displacement of the shoe at x if the present motion has lasted since its entry, turned by half its turn. [m]
 
     See `trackctl.mechanics.shear.shear_force`.
     """
+    motion, ground = track.motion, track.ground
+    travel, sy = ground.front - x, motion.lateral_speed + motion.curvature * x
     tau = travel / motion.speed
-    most_turn = LARGEST_HALF_ANGLE * motion.speed / longest
+    most_turn = LARGEST_HALF_ANGLE * motion.speed / (ground.front - ground.rear)
     turn = min(max(0.5 * motion.curvature, -most_turn), most_turn)
     z = turn * turn * tau * tau
     chord, half_cos = tau * sinc(z), cosine(z)
     half_sin = turn * chord
     wx_half = motion.body_speed * half_cos - sy * half_sin
     wy_half = motion.body_speed * half_sin + sy * half_cos
-    j_x, j_y = chord * wx_half - travel, chord * wy_half
-    return math.sqrt(j_x * j_x + j_y * j_y)
+    return chord * wx_half - travel, chord * wy_half
+
+
+@kernel
+def displacement(
+    track: Track, remember: bool, memory: Memory, entries: Entries, piece: int, x: float
+) -> tuple[float, float, int]:
+    """Shear displacement of the shoe at x [m], and its piece of memory, looked for from `piece` on."""
+    if not remember:
+        j_x, j_y = present_displacement(track, x)
+        return j_x, j_y, piece
+    side, frame = track.side, track.frame
+    label = memory.travel + side * (x + track.unloaded)
+    piece = find(memory, entries, label, piece, side)
+    entry = entries[slot(memory, entries, piece)]
+    theta = entry_time(entry, label)
+    j_x = frame.x + side * x * frame.forward_x - cubic(entry.x, theta)
+    j_y = frame.y + side * x * frame.forward_y - cubic(entry.y, theta)
+    if track.unloaded > 0.0:
+        j_x += side * track.unloaded * cubic(entry.forward_x, theta)
+        j_y += side * track.unloaded * cubic(entry.forward_y, theta)
+    return j_x, j_y, piece
+
+
+@kernel
+def return_place(
+    track: Track,
+    rule: GradedRule,
+    remember: bool,
+    memory: Memory,
+    entries: Entries,
+    piece: int,
+    front: float,
+    rear: float,
+) -> float:
+    """Where a shoe between `front` and `rear` has come back next to its point of entry, or else `rear`. [m]
+
+    Displacement is least there; where it vanishes, stress has a kink. Of several places, the deepest.
+    """
+    length = front - rear
+    before = least = math.inf
+    depth, place, walking = 0.0, 0, piece
+    for k in range(rule.samples.size):
+        j_x, j_y, walking = displacement(track, remember, memory, entries, walking, front - length * rule.samples[k])
+        square = j_x * j_x + j_y * j_y
+        if k > 1 and min(before, square) - least > depth:
+            depth, place = min(before, square) - least, k - 1
+        before, least = least, square
+    if place == 0:
+        return rear
+    newest_x, oldest_x = front - length * rule.samples[place - 1], front - length * rule.samples[place + 1]
+    x, step = front - length * rule.samples[place], DIFFERENCE * length
+    for _ in range(RETURN_STEPS):
+        a_x, a_y, _ = displacement(track, remember, memory, entries, piece, x + 0.5 * step)
+        b_x, b_y, _ = displacement(track, remember, memory, entries, piece, x - 0.5 * step)
+        d_x, d_y = (a_x - b_x) / step, (a_y - b_y) / step
+        steepness = d_x * d_x + d_y * d_y
+        if steepness > 0.0:
+            x -= 0.5 * ((a_x + b_x) * d_x + (a_y + b_y) * d_y) / steepness
+            x = min(max(x, oldest_x), newest_x)
+    return x
 
 
 @kernel
@@ -74,13 +160,16 @@ def track_force(
     load: float,
     pressure_centre: float,
     motion: TrackMotion,
-    rule: Rule,
+    rule: GradedRule,
     remember: bool,
     frame: Frame,
     memory: Memory,
     entries: Entries,
 ) -> Force:
     """Shear force and motion resistance of one track.
+
+    The contact is integrated in stretches, which end where lateral sliding vanishes and the sliding direction turns,
+    where shoes have come back over their points of entry, and where the memory is rough.
 
     Parameters
     ----------
@@ -99,56 +188,41 @@ def track_force(
     """
     side = -1.0 if motion.speed < 0.0 else 1.0
     ground = contact(model, max(load, 0.0), 0.0, pressure_centre, 0.0)
-    # How far the ground begins behind the end of the track.
     unloaded = 0.5 * model.length - (ground.front if side > 0.0 else -ground.rear)
     if side < 0.0:
         motion, ground = mirrored(motion, ground)
     moving = TrackMotion(
         max(motion.speed, SLOWEST_TRACK), motion.body_speed, 0.0, motion.lateral_speed, 0.0, motion.curvature
     )
+    track = Track(moving, ground, side, unloaded, frame)
     middle, _ = split(moving, ground)
-    near = singularities(moving, ground)
     sx = motion.body_speed - motion.speed
     sx_square = sx * sx + SLIDING_FLOOR * SLIDING_FLOOR
-    length = ground.front - ground.rear
+    short = REACH * (ground.front - ground.rear)
     piece = newest(memory, side)
     Q_0 = Q_y = Q_xy = 0.0
-    least = 0
-    front = ground.front
+    front, halved = ground.front, False
     while front > ground.rear:
         rear = ground.rear
         if rear < middle < front:
             rear = middle
         if remember:
-            piece = find(memory, entries, memory.travel + side * (front + unloaded - REACH * length), piece, side)
-            label, pieces = panel(memory, entries, piece, side)
-            least = pieces + NODES_BESIDE_PIECES
-            end = side * (label - memory.travel) - unloaded
+            piece = find(memory, entries, memory.travel + side * (front + unloaded - short), piece, side)
+            end = side * (panel(memory, entries, piece, side) - memory.travel) - unloaded
             if rear < end < front:
                 rear = end
-        part = Stretch(rear, front)
-        row = choose(rule, sharpness(near, part), boundary_layer(moving, model.shear_modulus, part))
-        while rule.counts[row] < least and row < rule.counts.size - 1:
-            row += 1
-        for k in range(rule.counts[row]):
-            x = front - (front - rear) * rule.nodes[row, k]
+        limit = rear
+        if not halved:
+            rear = return_place(track, rule, remember, memory, entries, piece, front, limit)
+        halved = rear > limit
+        length = front - rear
+        for k in range(rule.nodes.size):
+            x = front - length * rule.nodes[k]
+            j_x, j_y, piece = displacement(track, remember, memory, entries, piece, x)
             sy = motion.lateral_speed + motion.curvature * x
-            if remember:
-                label = memory.travel + side * (x + unloaded)
-                piece = find(memory, entries, label, piece, side)
-                entry = entries[slot(memory, entries, piece)]
-                theta = entry_time(entry, label)
-                j_x = frame.x + side * x * frame.forward_x - cubic(entry.x, theta)
-                j_y = frame.y + side * x * frame.forward_y - cubic(entry.y, theta)
-                if unloaded > 0.0:
-                    j_x += side * unloaded * cubic(entry.forward_x, theta)
-                    j_y += side * unloaded * cubic(entry.forward_y, theta)
-                j = math.sqrt(j_x * j_x + j_y * j_y)
-            else:
-                j = present_displacement(moving, ground.front - x, sy, length)
             strength = ground.strength + ground.strength_gradient * x
-            mobilised = strength * (1.0 - decay(j / model.shear_modulus)) / math.sqrt(sx_square + sy * sy)
-            Q = (front - rear) * rule.weights[row, k] * mobilised
+            mobilised = 1.0 - decay(math.sqrt(j_x * j_x + j_y * j_y) / model.shear_modulus)
+            Q = length * rule.weights[k] * strength * mobilised / math.sqrt(sx_square + sy * sy)
             Q_0 += Q
             Q_y += Q * sy
             Q_xy += Q * sy * x

@@ -40,9 +40,6 @@ UNKNOWNS = 3 * STAGES
 DONE, STORE_FULL, RING_FULL, TURNED, LIFTED, PITCHED, STUCK = range(7)
 
 SMALLEST_STEP = 1e-9
-#: A solved step that lays down this share of the contact is taken whatever its error: shorter ones would resolve the
-#: quadrature's own error, where shoes that have come back over their point of entry pass its nodes.
-SHORTEST_SHARE = 5e-5
 NEWTON_STEPS = 8
 #: Newton stops when its step is this share of the tolerance.
 NEWTON_SHARE = 0.03
@@ -465,8 +462,7 @@ def advance_piece(
             if side_right != 0.0:
                 push(memory[1], entries[1], math.copysign(1.0, side_right))
         error = try_step(scene, run, h, speeds, memory, entries, settings.tolerance)
-        shortest = SHORTEST_SHARE * scene.model.length / speed_scale(scene, run, speeds)
-        if error <= 1.0 or (h <= shortest and math.isfinite(error)):
+        if error <= 1.0:
             at_end = h == left
             accept(scene, run, h, speeds, memory, entries, steps[count])
             if at_end:
@@ -477,7 +473,7 @@ def advance_piece(
                 return limit, count
             if abs(run.pose[2] - steps[0].pose[0, 2]) >= settings.most_turn:
                 return TURNED, count
-            run.step = max(next_length(h, error), run.step if at_end else shortest)
+            run.step = max(next_length(h, error), run.step) if at_end else next_length(h, error)
         else:
             run.rejected += 1
             memory[0].travel, memory[1].travel = run.travel[0], run.travel[1]

@@ -12,18 +12,14 @@ from trackctl.compiled import kernel
 from trackctl.mechanics.contact import Loads, loads
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import TrackModel, track_model
-from trackctl.mechanics.quadrature import Rule, rules
 from trackctl.mechanics.shear import TrackMotion
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.contact_memory import Entries, Memory
+from trackctl.simulation.graded_quadrature import GradedRule, graded_rule
 from trackctl.simulation.ground_force import Frame, track_force
 
 Array = NDArray[np.float64]
-
-
-#: Numbers of nodes to choose from, see `trackctl.mechanics.quadrature`; stretches of memory may be short.
-COUNTS = (4, 6, 8, 12, 16, 24, 32, 48)
 
 
 class Scene(NamedTuple):
@@ -49,7 +45,7 @@ class Scene(NamedTuple):
     gyration_square: float
     slope: float
     uphill_yaw: float
-    rule: Rule
+    rule: GradedRule
     remember: bool
 
 
@@ -64,7 +60,7 @@ def scene(
 ) -> Scene:
     """The scene of profiles, gravity [m/s2] and a slope plane [rad]; see `Scene`."""
     model = track_model(vehicle, terrain, gravity)
-    return Scene(model, vehicle.yaw_inertia / vehicle.mass, slope, uphill_yaw, rules(COUNTS), remember)
+    return Scene(model, vehicle.yaw_inertia / vehicle.mass, slope, uphill_yaw, graded_rule(), remember)
 
 
 @kernel
