@@ -2,8 +2,8 @@
 
 Where the lateral sliding vanishes the sliding direction turns over s_x/r, and where a shoe comes back over its point of
 entry its displacement has a kink: widths from a contact length down to nothing. With x = phi(t), phi a polynomial with
-three vanishing derivatives at 0 and 1, Gauss-Legendre nodes in t crowd at the ends as t^4. The number of nodes is fixed,
-so that force changes smoothly with the state.
+three vanishing derivatives at 0 and 1, Gauss-Legendre nodes in t crowd at the ends as t^4. The number of nodes is
+fixed, so that force changes smoothly with the state.
 
 References
 ----------

@@ -77,9 +77,9 @@ class Track(NamedTuple):
 
 @kernel
 def present_displacement(track: Track, x: float) -> tuple[float, float]:
-    """Shear displacement of the shoe at x if the present motion has lasted since its entry, turned by half its turn. [m]
+    """Shear displacement [m] of the shoe at x if the present motion has lasted since its entry.
 
-    See `trackctl.mechanics.shear.shear_force`.
+    In axes that have turned by half as much as the shoe. See `trackctl.mechanics.shear.shear_force`.
     """
     motion, ground = track.motion, track.ground
     travel, sy = ground.front - x, motion.lateral_speed + motion.curvature * x
@@ -151,7 +151,7 @@ def return_place(
         if steepness > 0.0:
             x -= 0.5 * ((a_x + b_x) * d_x + (a_y + b_y) * d_y) / steepness
             x = min(max(x, oldest_x), newest_x)
-    return x
+    return float(x)
 
 
 @kernel

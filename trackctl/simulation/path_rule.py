@@ -23,7 +23,7 @@ from trackctl.lut.table import Status
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.prescribed_motion import PrescribedMotion, prescribed_balance
-from trackctl.mechanics.quadrature import Rule
+from trackctl.mechanics.quadrature import Rule, rules
 from trackctl.mechanics.slip import body_speed, slip
 from trackctl.simulation.path import Path
 from trackctl.simulation.vehicle_rates import Scene
@@ -200,7 +200,7 @@ def path_commands(scene: Scene, path: Path) -> PathCommands:
             turning = fine.speed * along(fine.speed * gradient, step, model.length)
             motions[:, 3] = gradient
             motions[:, 4] = scene.gyration_square * turning / (model.gravity * model.length)
-        solve_along(model, motions, scene.rule, np.zeros(1, workspace(3)), unknowns, residual)
+        solve_along(model, motions, rules(), np.zeros(1, workspace(3)), unknowns, residual)
     return commands_of(scene, fine, inner, unknowns.T, gradient, residual)
 
 
@@ -208,7 +208,7 @@ def naive_commands(scene: Scene, path: Path) -> PathCommands:
     """Commands of steady turns of the path's own curvature, as a table has them: on a slope they drift."""
     fine, inner = resampled(path, scene.model.length)
     motions, unknowns, residual = steady_turns(scene, fine)
-    solve_along(scene.model, motions, scene.rule, np.zeros(1, workspace(3)), unknowns, residual)
+    solve_along(scene.model, motions, rules(), np.zeros(1, workspace(3)), unknowns, residual)
     return commands_of(scene, fine, inner, unknowns.T, fine.curvature, residual)
 
 
