@@ -123,6 +123,16 @@ def test_the_frame_does_not_matter():
     assert second.pose - [-3.0, 4.0, 2.5] == pytest.approx([*moved, first.pose[2] - 0.5], abs=1e-6)
 
 
+def test_kinks_that_move_along_a_track_do_not_shorten_steps():
+    """The right track slips by little: shoes come back over their points of entry."""
+    start = State(1.0, 2.0, 0.5)
+    simulation, end = drive(slope_scene(12, uphill_yaw=1.0), 0.3, 0.5, 6.0, start)
+    steps = simulation.steps[: simulation.count]
+    assert end is End.DONE
+    # The last step goes to the end.
+    assert steps["length"][steps["time"] > 1.0][:-1].min() > 0.01
+
+
 @BOTH
 def test_turning_passes_through_zero_yaw_rate(remember):
     ground = slope_scene(0, remember=remember)
