@@ -18,7 +18,7 @@ MAY_IMPORT = {
     "solvers": set(),
     "lut": {"profiles", "mechanics", "solvers"},
     "planning": {"profiles", "geometry", "lut"},
-    "simulation": {"profiles", "mechanics", "solvers", "lut"},
+    "simulation": {"profiles", "geometry", "mechanics", "solvers", "lut"},
     "identification": {"profiles", "geometry", "mechanics", "solvers"},
     "sensitivity": set(),
     "forces": {"profiles", "geometry", "solvers"},

@@ -3,7 +3,8 @@ import pytest
 from figure_artists import labelled, legend_texts, line_data
 from plot_examples import TURN, by_name, simulation
 
-from trackctl.plots.laps import fitted_circle, laps
+from trackctl.geometry.circle import fitted_circle
+from trackctl.plots.laps import laps
 from trackctl.plots.simulation import NAMED_LAPS, draw_simulation
 
 
@@ -25,14 +26,14 @@ def test_laps_are_whole_turns():
 def test_a_circle_is_found_exactly():
     angle = np.linspace(0.0, 1.0, 7)
     circle = fitted_circle(1e5 + 3.0 * np.cos(angle), -2e5 + 3.0 * np.sin(angle))
-    assert (circle.centre_x, circle.centre_y, circle.radius) == pytest.approx((1e5, -2e5, 3.0))
+    assert (circle.x, circle.y, circle.radius) == pytest.approx((1e5, -2e5, 3.0))
 
 
 def test_a_drifting_lap_has_its_circle_in_the_middle(columns):
     """The drift of a lap moves the fitted centre by its mean, half of it, plus what it turns with the path."""
     first, second = (fitted_circle(columns["x"][lap], columns["y"][lap]) for lap in laps(columns["yaw"]))
-    assert second.centre_x - first.centre_x == pytest.approx(0.4, abs=0.01)
-    assert second.centre_y - first.centre_y == pytest.approx(-0.1, abs=0.01)
+    assert second.x - first.x == pytest.approx(0.4, abs=0.01)
+    assert second.y - first.y == pytest.approx(-0.1, abs=0.01)
 
 
 def test_the_path_and_its_laps(columns):
@@ -45,12 +46,12 @@ def test_the_path_and_its_laps(columns):
     texts = [text.get_text() for text in legend.get_legend().get_texts()]
     for number, lap in enumerate(laps(columns["yaw"]), start=1):
         circle = fitted_circle(columns["x"][lap], columns["y"][lap])
-        label = f"lap {number}: ({circle.centre_x:.3f}, {circle.centre_y:.3f}) m, R = {circle.radius:.3f} m"
+        label = f"lap {number}: ({circle.x:.3f}, {circle.y:.3f}) m, R = {circle.radius:.3f} m"
         assert label in texts
-        assert labelled(path, label) == ([circle.centre_x], [circle.centre_y])
+        assert labelled(path, label) == ([circle.x], [circle.y])
     circles = [line.get_xydata() for line in path.get_lines() if len(line.get_xdata()) == 181]
     assert len(circles) == 2
-    assert np.hypot(*(circles[1] - (circle.centre_x, circle.centre_y)).T) == pytest.approx(circle.radius)
+    assert np.hypot(*(circles[1] - (circle.x, circle.y)).T) == pytest.approx(circle.radius)
     assert (path.get_xlabel(), path.get_ylabel(), path.get_aspect()) == ("x [m]", "y [m]", 1.0)
 
 

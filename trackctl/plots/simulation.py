@@ -8,8 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from trackctl.geometry.circle import fitted_circle
 from trackctl.plots import style
-from trackctl.plots.laps import fitted_circle, laps
+from trackctl.plots.laps import laps
 from trackctl.plots.style import Columns
 
 #: Points of a drawn circle.
@@ -66,11 +67,11 @@ def draw_path(axes: Axes, columns: Columns) -> None:
         circle = fitted_circle(x[lap], y[lap])
         look = style.series(number)
         axes.plot(
-            circle.centre_x + circle.radius * np.cos(angle),
-            circle.centre_y + circle.radius * np.sin(angle),
+            circle.x + circle.radius * np.cos(angle),
+            circle.y + circle.radius * np.sin(angle),
             **(look | {"marker": "", "linewidth": 1.0}),
         )
-        label = f"lap {number}: ({circle.centre_x:.3f}, {circle.centre_y:.3f}) m, R = {circle.radius:.3f} m"
+        label = f"lap {number}: ({circle.x:.3f}, {circle.y:.3f}) m, R = {circle.radius:.3f} m"
         named = number < NAMED_LAPS or number == len(rows)
-        axes.plot(circle.centre_x, circle.centre_y, label=label if named else "_", **look)
+        axes.plot(circle.x, circle.y, label=label if named else "_", **look)
     style.plan_view(axes)

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 from trackctl.errors import NoAnswerError
 from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import read_lut
+from trackctl.geometry.circle import Circle
 from trackctl.lut.interpolation import interpolant, look_up
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.following import Feedback, deviation, follow, start_on
-from trackctl.simulation.laps import Circle, drift_per_lap, laps
+from trackctl.simulation.laps import drift_per_lap, laps
 from trackctl.simulation.motion import End, Integration, Motion, State, sample, simulate, turn_time
 from trackctl.simulation.path import Path as TargetPath
 from trackctl.simulation.path import circle
