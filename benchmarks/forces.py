@@ -25,7 +25,7 @@ from trackctl.forces.reference import Reference
 from trackctl.forces.sideslip_spline import solve_spline
 from trackctl.forces.yaw_polynomial import solve_polynomial
 from trackctl.geometry.clothoid_path import arc
-from trackctl.workflows.forces_verification import largest_deviation
+from trackctl.workflows.forces_verification import try_out
 
 REPOSITORY = Path(__file__).parents[1]
 MODEL = ForceModel(
@@ -65,7 +65,7 @@ def print_deviations() -> None:
         for peak in PEAKS:
             reference = Reference(CIRCLE, profile(CIRCLE.length, 0.2, peak))
             solution = solve_polynomial(MODEL, reference, order) if order else solve_spline(MODEL, reference)
-            cells.append(f"{largest_deviation(MODEL, reference, solution):14.2e}")
+            cells.append(f"{try_out(MODEL, reference, solution).largest_deviation:14.2e}")
         print(f"{name:28}" + "".join(cells))
 
 

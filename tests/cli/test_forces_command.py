@@ -32,6 +32,14 @@ COLUMNS = [
     "constraint_residual",
     "feasible",
 ]
+SIMULATED = [
+    "simulated_x_m",
+    "simulated_y_m",
+    "simulated_yaw_rad",
+    "simulated_yaw_rate_radps",
+    "simulated_speed_mps",
+    "simulated_slip_angle_rad",
+]
 STEADY = ("--speed-profile", "constant", "--speed-mps", 4, "--gravity-mps2", 9.81)
 
 
@@ -84,6 +92,31 @@ def test_columns_agree_with_each_other(run):
     tangent = found["yaw_rad"] + found["slip_angle_rad"]
     way = np.gradient(found["x_m"], found["arc_length_m"]), np.gradient(found["y_m"], found["arc_length_m"])
     assert tangent[5:-5] == pytest.approx(np.unwrap(np.arctan2(way[1], way[0]))[5:-5], abs=1e-3)
+
+
+def test_a_verified_table_holds_the_simulated_motion(run, tmp_path):
+    """It starts as the nominal one, and leaves it as far as the summary says."""
+    summary = json.loads(run("--basis", "polynomial", "--verify", "--json", "-o", "out.csv").stdout)
+    found = table((tmp_path / "out.csv").read_text())
+    assert list(found) == COLUMNS + SIMULATED
+    off = np.hypot(found["simulated_x_m"] - found["x_m"], found["simulated_y_m"] - found["y_m"])
+    # the largest distance may lie between two stations
+    assert off.max() == pytest.approx(summary["max_deviation_m"], rel=0.01)
+    assert [found[name][0] for name in SIMULATED] == pytest.approx(
+        [found[name.removeprefix("simulated_")][0] for name in SIMULATED]
+    )
+
+
+def test_simulated_columns_agree_with_each_other(run):
+    """Velocity and yaw rate are the derivatives of the simulated pose, the slip angle its direction minus the yaw."""
+    found = table(run("--basis", "polynomial", "--order", 1, "--verify").stdout)
+    time, inner = found["time_s"], slice(10, -10)
+    x_rate, y_rate, turn = (np.gradient(found[f"simulated_{name}"], time)[inner] for name in ("x_m", "y_m", "yaw_rad"))
+    assert np.hypot(x_rate, y_rate) == pytest.approx(found["simulated_speed_mps"][inner], rel=5e-3)
+    assert turn == pytest.approx(found["simulated_yaw_rate_radps"][inner], rel=0.02)
+    course = np.unwrap(np.arctan2(y_rate, x_rate))
+    slip_angle = course - found["simulated_yaw_rad"][inner]
+    assert slip_angle == pytest.approx(found["simulated_slip_angle_rad"][inner], abs=5e-3)
 
 
 @pytest.mark.parametrize("words", [(), ("--basis", "polynomial"), ("--basis", "polynomial", "--order", 7)])

@@ -14,7 +14,7 @@ from trackctl.forces.sideslip_spline import solve_spline
 from trackctl.forces.yaw_polynomial import solve_polynomial
 from trackctl.geometry.clothoid_path import arc, clothoid_arc_clothoid
 from trackctl.workflows.forces_path import waypoint_path
-from trackctl.workflows.forces_verification import largest_deviation
+from trackctl.workflows.forces_verification import try_out
 
 MODEL = ForceModel(
     mass=2000.0,
@@ -41,14 +41,14 @@ ERRORS = {
 
 def spline_deviation(path, speed, model=MODEL, intervals=None):
     reference = Reference(path, speed)
-    return largest_deviation(model, reference, solve_spline(model, reference, intervals))
+    return try_out(model, reference, solve_spline(model, reference, intervals)).largest_deviation
 
 
 @pytest.mark.parametrize("order", ERRORS)
 def test_polynomials_err_as_in_the_table(order):
     for peak, expected in zip(PEAKS, ERRORS[order], strict=True):
         reference = Reference(CIRCLE, speed_profile.triangular(CIRCLE.length, 0.2, peak))
-        found = largest_deviation(MODEL, reference, solve_polynomial(MODEL, reference, order))
+        found = try_out(MODEL, reference, solve_polynomial(MODEL, reference, order)).largest_deviation
         # asked for within 20 %; the table has two digits
         assert found == pytest.approx(expected, rel=0.05)
 
@@ -95,4 +95,4 @@ def test_what_a_slope_adds_is_needed():
     reference = Reference(CIRCLE, speed)
     sloping, low = (replace(MODEL, slope=math.radians(10.0), cog_height=height) for height in (0.6, 0.0))
     without_shift = solve_spline(low, reference)
-    assert largest_deviation(sloping, reference, without_shift) > 0.01
+    assert try_out(sloping, reference, without_shift).largest_deviation > 0.01

@@ -47,6 +47,15 @@ COLUMNS = {
     "friction_moment_nm": "friction_moment",
     "constraint_residual": "residual",
 }
+#: And for each of the simulated motion.
+SIMULATED = {
+    "simulated_x_m": "x",
+    "simulated_y_m": "y",
+    "simulated_yaw_rad": "yaw",
+    "simulated_yaw_rate_radps": "yaw_rate",
+    "simulated_speed_mps": "speed",
+    "simulated_slip_angle_rad": "sideslip",
+}
 REASONS = {
     "curvature_jump": "at a jump of curvature",
     "beyond_contact": "sliding to one side along all of the track (D beyond L/2)",
@@ -119,7 +128,9 @@ def forces(
         float, typer.Option("--uphill-yaw-deg", help="Direction of steepest ascent from the x axis.")
     ] = 90.0,
     strict: Annotated[bool, typer.Option("--strict", help="Exit with 1 if a station is not drivable.")] = False,
-    verify: Annotated[bool, typer.Option("--verify", help="Simulate the forces and say how far they err.")] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Simulate the forces, say how far they err, add the simulated motion.")
+    ] = False,
     vehicle: options.Vehicle = DEFAULT_VEHICLE,
     terrain: Annotated[
         str | None,
@@ -259,7 +270,11 @@ def asked_speed(
 def columns_of(found: ForcesResult) -> dict[str, Column]:
     """The forces as columns of a CSV table."""
     columns: dict[str, Column] = {header: getattr(found.forces, name) for header, name in COLUMNS.items()}
-    return columns | {"feasible": found.limits.feasible}
+    columns |= {"feasible": found.limits.feasible}
+    if found.trial is not None:
+        simulated = found.trial.simulated(found.forces)
+        columns |= {header: simulated[name] for header, name in SIMULATED.items()}
+    return columns
 
 
 def summary_of(found: ForcesResult) -> dict[str, object]:
@@ -278,7 +293,7 @@ def summary_of(found: ForcesResult) -> dict[str, object]:
         "duration_s": float(found.forces.time[-1]),
         "max_speed_mps": float(found.forces.speed.max()),
     }
-    return summary if found.deviation is None else summary | {"max_deviation_m": found.deviation}
+    return summary if found.trial is None else summary | {"max_deviation_m": found.trial.largest_deviation}
 
 
 def report(found: ForcesResult, strict: bool, quiet: bool) -> None:
@@ -287,8 +302,8 @@ def report(found: ForcesResult, strict: bool, quiet: bool) -> None:
 
     for note in found.notes:
         say(note, quiet)
-    if found.deviation is not None:
-        say(f"simulated: the mass centre stays within {found.deviation:.3g} m of the path", quiet)
+    if found.trial is not None:
+        say(f"simulated: the mass centre stays within {found.trial.largest_deviation:.3g} m of the path", quiet)
     total, bad = found.limits.feasible.size, int((~found.limits.feasible).sum())
     reasons = [f"{count} {REASONS[name]}" for name, count in limit_counts(found.limits).items() if count]
     if not bad:

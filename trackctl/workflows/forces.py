@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,9 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.forces_options import Basis, SpeedKind
 from trackctl.workflows.forces_path import ForcesPath
+
+if TYPE_CHECKING:
+    from trackctl.workflows.forces_verification import Trial
 
 Array = NDArray[np.float64]
 
@@ -95,15 +99,15 @@ class ForcesResult:
     ----------
     forces, limits
         At stations along the path, shape (n,).
-    deviation
-        Largest distance of the simulated mass centre from the path, None where it was not asked for. [m]
+    trial
+        The forces simulated, None where it was not asked for.
     notes
         What a user should know.
     """
 
     forces: NominalForces
     limits: Limits
-    deviation: float | None
+    trial: Trial | None
     notes: tuple[str, ...]
 
     @property
@@ -126,13 +130,13 @@ def find_forces(request: ForcesRequest) -> ForcesResult:
     reference = Reference(request.path.path, speed_along(model, request))
     solution = solve(model, reference, request)
     forces = nominal_forces(model, reference, solution.yaw, stations(model, reference, request.step))
-    deviation = None
+    trial = None
     if request.verify:
-        from trackctl.workflows.forces_verification import largest_deviation  # scipy.integrate takes its time
+        from trackctl.workflows.forces_verification import try_out  # scipy.integrate takes its time
 
-        deviation = largest_deviation(model, reference, solution)
+        trial = try_out(model, reference, solution)
     notes = (*request.path.notes, *notes_on(request, reference))
-    return ForcesResult(forces, limits(model, reference, forces), deviation, notes)
+    return ForcesResult(forces, limits(model, reference, forces), trial, notes)
 
 
 def force_model(request: ForcesRequest) -> ForceModel:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -16,6 +17,8 @@ from trackctl.simulation.track_force_drive import BodyState, ForceHistory, Track
 
 Array = NDArray[np.float64]
 
+#: Quantities of a simulated motion that a nominal one has, too.
+MOTION = ("x", "y", "yaw", "yaw_rate", "speed", "sideslip")
 #: Error of the forces between two samples, as a share of the load.
 TOLERANCE = 1e-7
 #: Halvings between samples to that end, and the shortest time between two; friction turns round in less than 1e-4 s.
@@ -23,11 +26,47 @@ HALVINGS = 40
 SHORTEST = 1e-7
 
 
-def largest_deviation(model: ForceModel, reference: Reference, solution: YawSolution) -> float:
-    """Largest distance of the simulated mass centre from the path at the same nominal time. [m]
+@dataclass(frozen=True, slots=True, eq=False)
+class Trial:
+    """How far the simulated motion is from the nominal one at the same nominal time, arrays of shape (n,).
 
-    The open loop is simulated from the nominal state at the start; from rest, from where it has a speed.
+    Attributes
+    ----------
+    arc_length
+        Of the nominal motion at that time. [m]
+    x, y, yaw
+        Simulated minus nominal, as all that follow. [m], [rad]
+    yaw_rate, speed, sideslip
+        [rad/s], [m/s], [rad]
     """
+
+    arc_length: Array
+    x: Array
+    y: Array
+    yaw: Array
+    yaw_rate: Array
+    speed: Array
+    sideslip: Array
+
+    @property
+    def largest_deviation(self) -> float:
+        """Largest distance of the simulated mass centre from the path. [m]"""
+        return float(np.hypot(self.x, self.y).max())
+
+    def simulated(self, forces: NominalForces) -> dict[str, Array]:
+        """The simulated motion at the stations of nominal forces, by the names of its quantities.
+
+        What is interpolated is the small difference from the nominal motion; it is kept before and after the
+        simulated part of the path.
+        """
+        return {
+            name: getattr(forces, name) + np.interp(forces.arc_length, self.arc_length, getattr(self, name))
+            for name in MOTION
+        }
+
+
+def try_out(model: ForceModel, reference: Reference, solution: YawSolution) -> Trial:
+    """Simulate the open loop from the nominal state at the start; from rest, from where it has a speed."""
     parts = sampled_forces(model, reference, solution)
     start, histories, time = parts[0], [], 0.0
     for part in parts:
@@ -42,8 +81,12 @@ def largest_deviation(model: ForceModel, reference: Reference, solution: YawSolu
         start.yaw_rate[0],
     )
     driven = drive(vehicle_of(model), state, histories)
-    x, y = (np.concatenate([getattr(part, name) for part in parts]) for name in ("x", "y"))
-    return float(np.hypot(driven.x - x, driven.y - y).max())
+    forward, lateral = np.asarray(driven.forward_velocity), np.asarray(driven.lateral_velocity)
+    speed, sideslip = np.hypot(forward, lateral), np.arctan2(lateral, forward)
+    nominal = {name: np.concatenate([getattr(part, name) for part in parts]) for name in ("arc_length", *MOTION)}
+    found = (driven.x, driven.y, driven.yaw, driven.yaw_rate, speed, sideslip)
+    off = {name: values - nominal[name] for name, values in zip(MOTION, found, strict=True)}
+    return Trial(nominal["arc_length"], **off)
 
 
 def vehicle_of(model: ForceModel) -> TrackForceVehicle:
