@@ -59,3 +59,22 @@ def test_what_is_not_feasible_is_hatched(columns):
     feasible = draw_forces(columns | {"feasible": np.ones(way.size)})
     assert not [axes for axes in feasible.axes if axes.patches]
     assert "not feasible" not in legend_texts(feasible)
+
+
+def test_simulated_motion_beside_the_nominal_one(columns):
+    simulated = columns | {
+        "simulated_x": columns["x"] + 0.03,
+        "simulated_y": columns["y"] - 0.04,
+        "simulated_speed": 1.01 * columns["speed"],
+        "simulated_yaw_rate": 0.202 * columns["speed"],
+        "simulated_slip_angle": columns["slip_angle"] + 0.01,
+    }
+    figure = draw_forces(simulated)
+    path, speed, gradient, angle, *others = figure.axes
+    np.testing.assert_array_equal(labelled(path, "simulated"), (simulated["simulated_x"], simulated["simulated_y"]))
+    np.testing.assert_array_equal(labelled(speed, "simulated")[1], simulated["simulated_speed"])
+    np.testing.assert_allclose(labelled(gradient, "simulated")[1], 0.2, rtol=1e-12)
+    np.testing.assert_array_equal(labelled(angle, "simulated")[1], np.degrees(simulated["simulated_slip_angle"]))
+    assert "simulated within 5.0e-02 m" in path.get_title(loc="left")
+    assert legend_texts(figure)[0] == "simulated"
+    assert all("simulated" not in [line.get_label() for line in axes.get_lines()] for axes in others)

@@ -145,6 +145,13 @@ PICTURES = (
             "friction_moment_nm",
         ),
         draw_forces,
+        optional=(
+            "simulated_x_m",
+            "simulated_y_m",
+            "simulated_speed_mps",
+            "simulated_yaw_rate_radps",
+            "simulated_slip_angle_rad",
+        ),
     ),
     CsvPicture(
         FileKind.IDENTIFICATION,
