@@ -5,28 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from force_cases import CIRCLE, MODEL
 
 from trackctl.files.path_csv import Waypoints
 from trackctl.forces import speed_profile
-from trackctl.forces.model import ForceModel
 from trackctl.forces.reference import Reference
 from trackctl.forces.sideslip_spline import solve_spline
 from trackctl.forces.yaw_polynomial import solve_polynomial
-from trackctl.geometry.clothoid_path import arc, clothoid_arc_clothoid
+from trackctl.geometry.clothoid_path import clothoid_arc_clothoid
 from trackctl.workflows.forces_path import waypoint_path
 from trackctl.workflows.forces_verification import try_out
-
-MODEL = ForceModel(
-    mass=2000.0,
-    yaw_inertia=15000.0,
-    gauge=3.0,
-    length=4.0,
-    cog_height=0.6,
-    lateral_friction=0.8,
-    longitudinal_friction=0.8,
-    gravity=9.81,
-)
-CIRCLE = arc(5.0, 2.0 * math.pi)
 
 # Largest distance of the simulated mass centre from the path [m], by order and peak speed [m/s].
 PEAKS = (2.0, 3.0, 4.0, 5.0)
