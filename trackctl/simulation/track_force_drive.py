@@ -20,9 +20,16 @@ from scipy.interpolate import CubicSpline
 from trackctl.errors import NoAnswerError
 
 Array = NDArray[np.float64]
+#: Sum of the track forces, and right minus left, at a time; and rates of a state at a time.
+ForcesAt = Callable[[float], tuple[float, float]]
+Rates = Callable[[float, Array], tuple[float, ...]]
 
 RELATIVE_TOLERANCE = 1e-10
 ABSOLUTE_TOLERANCE = 1e-10
+#: Of forces that are linear between samples: the absolute tolerance over the relative one.
+ABSOLUTE_SHARE = 1e-2
+#: Yaw rate below which the friction moment has not settled its direction, unless a caller knows better. [rad/s]
+YAW_RATE_SCALE = 1e-6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,9 +59,9 @@ class TrackForceVehicle:
     cog_height: float
     lateral_friction: float
     gravity: float
-    slope: float
-    uphill_yaw: float
-    yaw_rate_scale: float
+    slope: float = 0.0
+    uphill_yaw: float = 0.5 * math.pi
+    yaw_rate_scale: float = YAW_RATE_SCALE
 
 
 class BodyState(NamedTuple):
@@ -93,6 +100,23 @@ class ForceHistory:
     difference: Array
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackForces:
+    """Forward forces of the left and right track, linear between samples, arrays of shape (n,).
+
+    Attributes
+    ----------
+    time
+        Ascending. [s]
+    left, right
+        The first and last hold outside their times. [N]
+    """
+
+    time: Array
+    left: Array
+    right: Array
+
+
 def drive(vehicle: TrackForceVehicle, start: BodyState, histories: Sequence[ForceHistory]) -> BodyState:
     """Motion under forces, one stretch after the other; they may jump in between.
 
@@ -117,29 +141,76 @@ def drive(vehicle: TrackForceVehicle, start: BodyState, histories: Sequence[Forc
     """
     state, parts = np.array(start), []
     for history in histories:
-        times = history.time
-        solution = solve_ivp(
-            derivative(vehicle, history),
-            (times[0], times[-1]),
-            state,
-            method="BDF",  # friction that turns round is stiff; LSODA may then not come back
-            t_eval=times,
-            rtol=RELATIVE_TOLERANCE,
-            atol=ABSOLUTE_TOLERANCE,
-        )
-        if not solution.success:
-            raise NoAnswerError(f"the simulation stops before {times[-1]:.6g} s: {solution.message}")
-        state = solution.y[:, -1]
-        parts.append(solution.y)
+        rates = derivative(vehicle, interpolator(history))
+        parts.append(integrated(rates, state, history.time, RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE))
+        state = parts[-1][:, -1]
     return BodyState(*np.concatenate(parts, axis=1))
 
 
-def derivative(vehicle: TrackForceVehicle, history: ForceHistory) -> Callable[[float, Array], tuple[float, ...]]:
-    """Right-hand side of the equations of motion.
+def drive_linear(
+    vehicle: TrackForceVehicle, start: BodyState, forces: TrackForces, time: Array, tolerance: float
+) -> BodyState:
+    """Motion under forces that are linear between samples.
+
+    Parameters
+    ----------
+    vehicle
+        On its ground.
+    start
+        At the first of the times asked for.
+    forces
+        Of the tracks.
+    time
+        Where the motion is wanted, ascending, shape (n,). [s]
+    tolerance
+        Relative tolerance of the integration; the absolute one is `ABSOLUTE_SHARE` of it. [m, rad and their rates]
+
+    Returns
+    -------
+    BodyState
+        At those times.
+
+    Raises
+    ------
+    NoAnswerError
+        If the integrator fails.
+    """
+    total, difference = forces.left + forces.right, forces.right - forces.left
+
+    def forces_at(t: float) -> tuple[float, float]:
+        return float(np.interp(t, forces.time, total)), float(np.interp(t, forces.time, difference))
+
+    # No step beyond a sample: the forces have corners there.
+    longest = float(np.diff(forces.time).max(initial=0.0)) or math.inf
+    rates = derivative(vehicle, forces_at)
+    return BodyState(*integrated(rates, np.array(start), time, tolerance, ABSOLUTE_SHARE * tolerance, longest))
+
+
+def integrated(
+    rates: Rates, state: Array, time: Array, relative: float, absolute: float, longest: float = math.inf
+) -> Array:
+    """States at the times, shape (6, n), from that at the first; no step is longer than `longest`. [s]"""
+    solution = solve_ivp(
+        rates,
+        (time[0], time[-1]),
+        state,
+        method="BDF",  # friction that turns round is stiff; LSODA may then not come back
+        t_eval=time,
+        rtol=relative,
+        atol=absolute,
+        max_step=longest,
+    )
+    if not solution.success:
+        raise NoAnswerError(f"the simulation stops before {time[-1]:.6g} s: {solution.message}")
+    states: Array = solution.y
+    return states
+
+
+def derivative(vehicle: TrackForceVehicle, forces_at: ForcesAt) -> Rates:
+    """Right-hand side of the equations of motion, from the sum of the forces and right minus left. [N]
 
     m (v_x' - omega v_y) = Q + m g_x,  m (v_y' + omega v_x) = F_t + m g_y,  I omega' = dQ b/2 + M.
     """
-    forces_at = interpolator(history)
     pull = vehicle.gravity * math.sin(vehicle.slope)
 
     def rates(time: float, state: Array) -> tuple[float, ...]:
@@ -179,7 +250,7 @@ def lateral_friction(
     return grip * force, -sign * grip * moment
 
 
-def interpolator(history: ForceHistory) -> Callable[[float], tuple[float, float]]:
+def interpolator(history: ForceHistory) -> ForcesAt:
     """Both forces of a history at a time, by cubic splines."""
     splines = CubicSpline(history.time, np.stack((history.total, history.difference), axis=1))
     knots: list[float] = splines.x.tolist()

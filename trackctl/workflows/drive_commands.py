@@ -11,7 +11,7 @@ from trackctl.errors import InputFileError
 from trackctl.files.csv_table import CsvTable, cell_error, column, find_header
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import PathCommands
-from trackctl.simulation.track_forces import TrackForces
+from trackctl.simulation.track_force_drive import TrackForces
 from trackctl.simulation.track_speeds import TrackSpeeds
 
 Array = NDArray[np.float64]

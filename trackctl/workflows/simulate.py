@@ -30,7 +30,7 @@ from trackctl.simulation.path_rule import (
     read_naive_commands,
     read_path_commands,
 )
-from trackctl.simulation.track_forces import FrictionVehicle, TrackForces, drive_by_forces
+from trackctl.simulation.track_force_drive import BodyState, TrackForces, TrackForceVehicle, drive_linear
 from trackctl.simulation.track_speeds import TrackSpeeds, constant_speeds
 from trackctl.simulation.vehicle_rates import Scene, scene
 from trackctl.workflows.drive_commands import DriveCommands, target_commands
@@ -257,11 +257,12 @@ def summary(
 def drive_forced(request: SimulateRequest, forces: TrackForces, drive: DriveCommands) -> SimulateResult:
     """Drive under track forces on level ground."""
     vehicle, terrain = request.vehicle, request.terrain
-    rider = FrictionVehicle(
+    rider = TrackForceVehicle(
         mass=vehicle.mass,
         yaw_inertia=vehicle.yaw_inertia,
-        track_gauge=vehicle.track_gauge,
-        contact_length=vehicle.contact_length,
+        gauge=vehicle.track_gauge,
+        length=vehicle.contact_length,
+        cog_height=vehicle.cog_height,
         lateral_friction=terrain.lateral_friction_coefficient or terrain.friction_coefficient,
         gravity=request.gravity,
     )
@@ -277,27 +278,15 @@ def drive_forced(request: SimulateRequest, forces: TrackForces, drive: DriveComm
             float(target.speed[0] * math.sin(target.sideslip[0])),
             float(np.gradient(target.yaw, target.time)[0]),
         )
-    moved = drive_by_forces(rider, forces, start, output_times(first, last, request.interval), request.tolerance)
+    time = output_times(first, last, request.interval)
+    begin = BodyState(*start.pose, *start.velocity)
+    x, y, yaw, forward, lateral, yaw_rate = np.array(drive_linear(rider, begin, forces, time, request.tolerance))
     if target is not None:
         nothing = np.zeros_like(target.x)
         path = TargetPath(nothing, target.x, target.y, nothing, nothing, nothing)
-        away = float(deviation(path, moved.x, moved.y).max())
-    unknown, load = np.full_like(moved.time, np.nan), np.full_like(moved.time, 0.5 * vehicle.mass * request.gravity)
-    motion = Motion(
-        moved.time,
-        moved.x,
-        moved.y,
-        moved.yaw,
-        moved.forward_velocity,
-        moved.lateral_velocity,
-        moved.yaw_rate,
-        unknown,
-        unknown,
-        unknown,
-        unknown,
-        load,
-        load,
-    )
+        away = float(deviation(path, x, y).max())
+    unknown, load = np.full_like(time, np.nan), np.full_like(time, 0.5 * vehicle.mass * request.gravity)
+    motion = Motion(time, x, y, yaw, forward, lateral, yaw_rate, unknown, unknown, unknown, unknown, load, load)
     return SimulateResult(motion, [], None, away, "")
 
 
