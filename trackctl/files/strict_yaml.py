@@ -54,12 +54,12 @@ def read_text(source: str) -> tuple[str, str]:
     except OSError as error:
         raise ProfileError(file, f"cannot be read: {error.strerror}") from error
     if len(content) > MAX_BYTES:
-        raise ProfileError(file, f"larger than {MAX_BYTES} bytes; a profile is a short text file")
+        raise ProfileError(file, f"larger than {MAX_BYTES} bytes; allowed: a short YAML file")
     try:
         return content.decode("utf-8-sig"), file
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise ProfileError(file, "is not UTF-8 text; a profile is a YAML file", line) from error
+        raise ProfileError(file, "is not UTF-8 text; allowed: a YAML file", line) from error
 
 
 def read_entries(text: str, file: str) -> dict[str, Entry]:
