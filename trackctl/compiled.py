@@ -21,7 +21,7 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 # Everything but nnan and ninf: status checks rely on NaN.
 FASTMATH = {"reassoc", "contract", "arcp", "nsz", "afn"}
-KERNEL_ROOMS = ("mechanics", "solvers", "lut", "sensitivity", "identification", "simulation")
+KERNEL_ROOMS = ("mechanics", "solvers", "lut", "planning", "sensitivity", "identification", "simulation")
 
 
 def cache_root() -> Path:
