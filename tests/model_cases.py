@@ -121,7 +121,7 @@ def evaluate(point: OraclePoint, unknowns: Array, rule: Rule = ADAPTIVE) -> tupl
     """Residual, Jacobian and traction of the package's balance."""
     residual, jacobian, traction = np.empty(3), np.empty((3, 3)), np.empty(2)
     unknowns = np.asarray(unknowns, dtype=np.float64)
-    balance(model_of(point), operating_point_of(point), rule, unknowns, residual, jacobian, traction)
+    balance(model_of(point), operating_point_of(point), rule, unknowns, residual, jacobian, traction, True)
     return residual, jacobian, traction
 
 

@@ -71,6 +71,15 @@ def kernel(function: Kernel) -> Kernel:
     return cast("Kernel", compiled)
 
 
+def inlined(function: Kernel) -> Kernel:
+    """Compile a function as `kernel` does, into its callers, which leave out what they do not use."""
+    with cached_in_kernel_folder():
+        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)(
+            function
+        )
+    return cast("Kernel", compiled)
+
+
 def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
     """Compile a function once, for kernels that call it by address.
 

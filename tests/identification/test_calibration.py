@@ -47,7 +47,7 @@ def test_steady_motions_are_in_balance():
         v, residual = np.hypot(forward, lateral), np.empty(3)
         point = OperatingPoint(0.0, 0.0, 1.0, turn / v, v * turn / model.gravity)
         unknowns = np.array([left / v, right / v, np.arctan2(lateral, forward)])
-        balance(model, point, rules((48,)), unknowns, residual, np.empty((3, 3)), np.empty(2))
+        balance(model, point, rules((48,)), unknowns, residual, np.empty((3, 3)), np.empty(2), True)
         assert np.abs(residual).max() < 1e-4  # of the weight: the coarser quadrature's
 
 

@@ -128,7 +128,7 @@ def steady_residual(
     unknowns, traction = scratch[0], scratch[1]
     unknowns[0], unknowns[1], unknowns[2] = left / v, right / v, x[2]
     jacobian = np.empty((3, 3))
-    balance(model, point, rule, unknowns, residual, jacobian, traction)
+    balance(model, point, rule, unknowns, residual, jacobian, traction, True)
     return exceeded_limit(model, point, unknowns)
 
 

@@ -23,6 +23,9 @@ Array = NDArray[np.float64]
 
 #: Largest residual of an accepted cell, in units of m g and m g L.
 TOLERANCE = 1e-10
+#: Determinant of the balance, over the product of its rows' largest entries, that is too small to be taken from nearby:
+#: the step to a root is some 1e-6 long, over which the derivatives change by a share of 1e-4.
+NEAR_FOLD = 1e-2
 
 
 class Effort(NamedTuple):
@@ -43,16 +46,20 @@ POINT_SIZE = len(OperatingPoint._fields)
 DOUBLES = types.CPointer(types.float64)
 
 
-@linked(types.void(DOUBLES, types.boolean, DOUBLES, DOUBLES, DOUBLES, DOUBLES))
+@linked(types.void(DOUBLES, types.boolean, types.boolean, DOUBLES, DOUBLES, DOUBLES, DOUBLES))
 def linked_balance(  # type: ignore[no-untyped-def]
-    numbers, coarse, unknowns, residual, jacobian, traction
+    numbers, coarse, differentiate, unknowns, residual, jacobian, traction
 ):
     """`balance` by address; `numbers` are the fields of a `TrackModel`, then of an `OperatingPoint`."""
     n = carray(numbers, MODEL_SIZE + POINT_SIZE)
     model = TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
     point = OperatingPoint(n[10], n[11], n[12], n[13], n[14])
     x, r, J, t = carray(unknowns, 3), carray(residual, 3), carray(jacobian, (3, 3)), carray(traction, 2)
-    balance(model, point, COARSE if coarse else FINE, x, r, J, t)
+    rule = COARSE if coarse else FINE
+    if differentiate:
+        balance(model, point, rule, x, r, J, t, True)
+    else:
+        balance(model, point, rule, x, r, J, t, False)
 
 
 #: A record of the type `SOLVER`: what a thread needs to solve cells.
@@ -75,6 +82,7 @@ SOLVER = np.dtype(
         ("least", np.float64, 1),  # least residual that it met
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
+        ("quadratic", np.float64),  # residual after the last Newton step, over the square of that before it
         ("curve", curve(3)),
         ("way", np.float64, 2 * POINT_SIZE),  # first and last operating point of the curve
         ("difference", np.float64, (MOST_DIFFERENCES + 1, 3)),  # backward differences of the last roots along a row
@@ -89,6 +97,7 @@ def solver(model: TrackModel) -> NDArray[np.void]:
     memory["numbers"][0, :MODEL_SIZE] = model
     memory["lower"] = (SLOWEST_TRACK, SLOWEST_TRACK, -LARGEST_SIDESLIP)
     memory["upper"] = (FASTEST_TRACK, FASTEST_TRACK, LARGEST_SIDESLIP)
+    memory["quadratic"] = np.inf
     return memory
 
 
@@ -107,10 +116,16 @@ def set_point(solver: Solver, point: OperatingPoint) -> None:
 
 
 @kernel
-def balance_there(solver: Solver, x: Array, residual: Array, jacobian: Array) -> None:
-    """Balance at x of the operating point that was set."""
+def balance_there(solver: Solver, x: Array, residual: Array, jacobian: Array, differentiate: bool) -> None:
+    """Balance at x of the operating point that was set, with the derivatives or without."""
     linked_balance(
-        solver.numbers.ctypes, solver.coarse, x.ctypes, residual.ctypes, jacobian.ctypes, solver.traction.ctypes
+        solver.numbers.ctypes,
+        solver.coarse,
+        differentiate,
+        x.ctypes,
+        residual.ctypes,
+        jacobian.ctypes,
+        solver.traction.ctypes,
     )
 
 
@@ -118,7 +133,14 @@ def balance_there(solver: Solver, x: Array, residual: Array, jacobian: Array) ->
 def evaluate(solver: Solver, point: OperatingPoint, x: Array, residual: Array, jacobian: Array) -> None:
     """Balance at x."""
     set_point(solver, point)
-    balance_there(solver, x, residual, jacobian)
+    balance_there(solver, x, residual, jacobian, True)
+
+
+@kernel
+def residuals(solver: Solver, point: OperatingPoint, x: Array, residual: Array) -> None:
+    """Balance at x, without derivatives."""
+    set_point(solver, point)
+    balance_there(solver, x, residual, solver.work.trial_jacobian, False)
 
 
 @kernel
@@ -129,21 +151,73 @@ def residual_at(solver: Solver, point: OperatingPoint, x: Array) -> float:
 
 
 @kernel
-def improve(solver: Solver, x: Array, effort: Effort) -> bool:
-    """Levenberg-Marquardt from x, in place, for the operating point that was set."""
+def forget(solver: Solver) -> None:
+    """Let the next solution owe nothing to those before it."""
+    solver.quadratic = np.inf
+
+
+@kernel
+def evaluate_trial(solver: Solver, newton: bool, tolerance: float) -> int:
+    """Balance at the trial point, without derivatives where that is expected to be the root; the number of evaluations.
+
+    Newton's step squares the residual, up to a factor that the last such step has shown. The derivatives are then those
+    at the start of the step.
+    """
     work = solver.work
-    balance_there(solver, x, work.residual, work.jacobian)
+    square = lm.largest(work.residual) ** 2
+    expected = newton and solver.quadratic * square <= tolerance
+    if expected:
+        for i in range(3):
+            for j in range(3):
+                work.trial_jacobian[i, j] = work.jacobian[i, j]
+    balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian, not expected)
+    remaining = lm.largest(work.trial_residual)
+    if newton:
+        solver.quadratic = remaining / square
+    if expected and not remaining <= tolerance:
+        balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian, True)
+        return 2
+    return 1
+
+
+@kernel
+def branch_sign(jacobian: Array) -> float:
+    """Determinant of the balance: positive on the branch that goes on from low speed, negative beyond its fold."""
+    a = jacobian
+    return float(
+        a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
+        - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
+        + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
+    )
+
+
+@kernel
+def is_near_fold(jacobian: Array) -> bool:
+    """Whether the derivatives must be those at the root itself to tell on which side of the fold it is."""
+    size = lm.largest(jacobian[0]) * lm.largest(jacobian[1]) * lm.largest(jacobian[2])
+    return abs(branch_sign(jacobian)) < NEAR_FOLD * size
+
+
+@kernel
+def improve(solver: Solver, x: Array, effort: Effort) -> bool:
+    """Levenberg-Marquardt from x, in place, for the operating point that was set.
+
+    `solver.work` holds the balance at x; its derivatives may be those of one Newton step before, away from a fold.
+    """
+    work = solver.work
+    balance_there(solver, x, work.residual, work.jacobian, True)
     evaluations = 1
     damping = 0.0
     while not lm.is_solved(work, effort.tolerance):
         if evaluations >= effort.evaluations or damping > lm.LARGEST_DAMPING:
             return False
         if lm.propose(x, damping, solver.lower, solver.upper, work):
-            balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian)
-            evaluations += 1
+            evaluations += evaluate_trial(solver, damping == 0.0, effort.tolerance)
             damping = lm.judge(x, damping, work)
         else:
             damping = lm.more_damping(damping)
+    if is_near_fold(work.jacobian):
+        balance_there(solver, x, work.residual, work.jacobian, True)
     return True
 
 
@@ -161,17 +235,6 @@ def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) 
     """
     set_point(solver, point)
     return bool(linked_improve(solver.numbers.ctypes, x.ctypes, effort.tolerance, effort.evaluations))
-
-
-@kernel
-def branch_sign(jacobian: Array) -> float:
-    """Determinant of the balance: positive on the branch that goes on from low speed, negative beyond its fold."""
-    a = jacobian
-    return float(
-        a[0, 0] * (a[1, 1] * a[2, 2] - a[1, 2] * a[2, 1])
-        - a[0, 1] * (a[1, 0] * a[2, 2] - a[1, 2] * a[2, 0])
-        + a[0, 2] * (a[1, 0] * a[2, 1] - a[1, 1] * a[2, 0])
-    )
 
 
 @kernel

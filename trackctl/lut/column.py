@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import LOST, REACHED, Way, follow, settle
-from trackctl.lut.cell import MOST_DIFFERENCES, Solver, model_of, residual_at, solve_warm
+from trackctl.lut.cell import MOST_DIFFERENCES, Solver, forget, model_of, residual_at, solve_warm
 from trackctl.lut.cells import PENDING, Cells
 from trackctl.lut.point import NOT_CONVERGED
 from trackctl.lut.swarm_search import near_no_slip, search
@@ -353,6 +353,7 @@ def solve_column(memory: NDArray[np.void], column: Column, cells: Cells) -> None
         Receives the answers, shape (n_velocity, n_heading).
     """
     solver = memory[0]
+    forget(solver)
     x, ends = np.empty(3), np.empty(column.heading.size)
     for row in range(column.velocity.size):
         if row > 0 and column.curvature == 0.0:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import LOST, REACHED, settle
-from trackctl.lut.cell import Solver, model_of, residual_at, solve_cold, solver
+from trackctl.lut.cell import Solver, forget, model_of, residual_at, solve_cold, solver
 from trackctl.lut.cells import Cells, pending_cells
 from trackctl.lut.swarm_search import SURELY_SMALLEST, near_no_slip, search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible
@@ -46,6 +46,7 @@ def solve_point(
     tuple of int and float
         Code of `trackctl.lut.table.Status`, and the largest residual (without a root, the least met).
     """
+    forget(solver)
     model = model_of(solver)
     point = operating_point(model, slope, velocity, curvature, heading)
     near_no_slip(model, curvature, x)

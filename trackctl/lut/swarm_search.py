@@ -16,10 +16,10 @@ from trackctl.lut.cell import (
     TOLERANCE,
     Effort,
     Solver,
-    evaluate,
     is_answer,
     model_of,
     residual_at,
+    residuals,
     set_point,
     solve_from,
 )
@@ -93,7 +93,7 @@ def fly(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> None
     for iteration in range(SETTINGS.iterations):
         for i in range(PARTICLES):
             unknowns_of(model, point.curvature, flock.position[i], x)
-            evaluate(solver, point, x, work.residual, work.jacobian)
+            residuals(solver, point, x, work.residual)
             leader = pso.record(flock, i, lm.sum_of_squares(work.residual), leader)
         inertia = pso.inertia_at(SETTINGS, iteration)
         pso.move(flock, leader, inertia, SETTINGS, solver.flock_lower, solver.flock_upper, stream)

@@ -59,7 +59,7 @@ def prescribed_balance(
     sin_beta, cos_beta = math.sin(unknowns[2]), math.cos(unknowns[2])
     forward, left = motion.pull_along * cos_beta, motion.pull_along * sin_beta
     point = OperatingPoint(forward, left, motion.normal, motion.yaw_gradient, -motion.pull_left)
-    balance(model, point, rule, unknowns, residual, jacobian, traction)
+    balance(model, point, rule, unknowns, residual, jacobian, traction, True)
     residual[2] -= motion.yaw_inertia
     jacobian[0, 2] -= left
     jacobian[1, 2] += forward

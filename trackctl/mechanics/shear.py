@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.mechanics.contact import Contact
 from trackctl.mechanics.elementary_functions import LARGEST_HALF_ANGLE, cosine, decay, sinc
 
@@ -113,7 +113,7 @@ def boundary_layer(motion: TrackMotion, shear_modulus: float, part: Stretch) -> 
     return math.sqrt(sx * sx + sy * sy) * (part.front - part.rear) / (motion.speed * shear_modulus)
 
 
-@kernel
+@inlined
 def shear_force(
     motion: TrackMotion,
     ground: Contact,
