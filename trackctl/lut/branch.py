@@ -17,6 +17,7 @@ from trackctl.lut.cell import (
     branch_sign,
     evaluate,
     model_of,
+    residuals,
     solve_cold,
     solve_warm,
 )
@@ -60,34 +61,17 @@ def point_at(way: Way, parameter: float) -> OperatingPoint:
 
 
 @kernel
-def balance_at(solver: Solver, way: Way, line: continuation.Curve) -> None:
-    """Balance at the curve's point into `solver.work`, and the bordered system."""
-    work = solver.work
-    evaluate(solver, point_at(way, line.point[3]), line.point[:3], work.residual, work.jacobian)
-    continuation.border(line, work.jacobian, work.residual)
-
-
-@kernel
-def differentiate(solver: Solver, way: Way, line: continuation.Curve) -> None:
-    """Derivative of the balance by the parameter at the curve's point."""
-    work, parameter = solver.work, line.point[3]
-    evaluate(solver, point_at(way, parameter), line.point[:3], work.residual, work.jacobian)
-    beside = point_at(way, parameter + continuation.DIFFERENCE)
-    evaluate(solver, beside, line.point[:3], work.trial_residual, work.trial_jacobian)
-    continuation.differentiate(line, work.residual, work.trial_residual)
-
-
-@kernel
 def corrected(solver: Solver, way: Way, line: continuation.Curve, tolerance: float) -> bool:
-    """Bring the predicted point back to the branch; `solver.work` holds the balance there."""
-    differentiate(solver, way, line)
-    for i in range(MOST_CORRECTIONS):
-        if i > 0:
-            balance_at(solver, way, line)
-        else:
-            continuation.border(line, solver.work.jacobian, solver.work.residual)
-        if lm.is_solved(solver.work, tolerance):
+    """Bring the predicted point back to the branch; `solver.work` holds the balance there.
+
+    The derivative by the parameter is that of the last point: a chord, which the residual corrects.
+    """
+    work = solver.work
+    for _ in range(MOST_CORRECTIONS):
+        evaluate(solver, point_at(way, line.point[3]), line.point[:3], work.residual, work.jacobian)
+        if lm.is_solved(work, tolerance):
             return True
+        continuation.border(line, work.jacobian, work.residual)
         if not continuation.correct(line):
             return False
     return False
@@ -96,11 +80,11 @@ def corrected(solver: Solver, way: Way, line: continuation.Curve, tolerance: flo
 @kernel
 def turned(solver: Solver, way: Way, line: continuation.Curve) -> bool:
     """Turn the tangent at the curve's point, whose balance `solver.work` holds; False where the branch has none."""
-    work, parameter = solver.work, line.point[3]
-    beside = point_at(way, parameter + continuation.DIFFERENCE)
-    evaluate(solver, beside, line.point[:3], work.trial_residual, work.trial_jacobian)
+    work = solver.work
+    beside = point_at(way, line.point[3] + continuation.DIFFERENCE)
+    residuals(solver, beside, line.point[:3], work.trial_residual)
     continuation.differentiate(line, work.residual, work.trial_residual)
-    continuation.border(line, solver.work.jacobian, solver.work.residual)
+    continuation.border(line, work.jacobian, work.residual)
     return continuation.turn(line)
 
 
@@ -115,7 +99,7 @@ def trace(solver: Solver, way: Way, x: Array) -> int:
     """`follow`, compiled into each of its callers."""
     line = solver.curve
     continuation.start(line, x)
-    differentiate(solver, way, line)
+    evaluate(solver, point_at(way, 0.0), x, solver.work.residual, solver.work.jacobian)
     if not turned(solver, way, line):
         return LOST
     step = continuation.FIRST_STEP
