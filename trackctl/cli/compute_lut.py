@@ -37,6 +37,7 @@ class SeedingChoice(StrEnum):
 
 
 def compute_lut(
+    context: typer.Context,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The table, HDF5 and netCDF4.")] = Path(
         "lut.h5"
     ),
@@ -94,6 +95,9 @@ def compute_lut(
       trackctl compute-lut --vehicle m113 --terrain hard-soil --slope-deg 0:12:4 -o m113.h5
     """
     announce_compilation(quiet)
+    from trackctl.workflows.compile_ahead import compiling_ahead
+
+    wait_for_kernels = context.with_resource(compiling_ahead())
     import numpy as np
 
     from trackctl.files.atomic import check_output
@@ -120,6 +124,7 @@ def compute_lut(
     if dry_run:
         tell_estimate(request, chosen, jobs, as_json)
         return
+    wait_for_kernels()
     with checkpoint_told(output), bar("solving", "column", quiet) as progress:
         summary = compile_table(request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress)
     tell_summary(summary, output, time.perf_counter() - started, quiet, as_json)

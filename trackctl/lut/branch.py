@@ -17,12 +17,12 @@ from trackctl.lut.cell import (
     branch_sign,
     evaluate,
     model_of,
+    near_no_slip,
     residuals,
     solve_cold,
     solve_warm,
 )
 from trackctl.lut.cell import TOLERANCE as SOLVED
-from trackctl.lut.swarm_search import near_no_slip
 from trackctl.mechanics.limits import GRIP, exceeded_limit, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.solvers import continuation

@@ -35,6 +35,8 @@ class Effort(NamedTuple):
     evaluations: int
 
 
+#: Slip of a start that knows no better. [-]
+SLIP_SCALE = 0.01
 #: From a start near the root, and from one that owes nothing to a neighbour.
 WARM, COLD = Effort(TOLERANCE, 8), Effort(TOLERANCE, 40)
 
@@ -106,6 +108,24 @@ def model_of(solver: Solver) -> TrackModel:
     """The model that a solver was made for."""
     n = solver.numbers
     return TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
+
+
+@kernel
+def no_slip_speed(model: TrackModel, curvature: float, track: int) -> float:
+    """Speed ratio of a track (0 left, 1 right) that does not slip, kept in the physical box."""
+    arm = (0.5 - track) * model.gauge - model.cog_left
+    return min(max(1.0 - curvature * arm, 2.0 * SLOWEST_TRACK), 0.5 * FASTEST_TRACK)
+
+
+@kernel
+def near_no_slip(model: TrackModel, curvature: float, x: Array) -> None:
+    """Track speed ratios with hardly any slip, and no sideslip, into x.
+
+    Without any, a track on a straight line would not slide at all, and the direction of its shear would be undefined.
+    """
+    for track in range(2):
+        x[track] = no_slip_speed(model, curvature, track) + SLIP_SCALE
+    x[2] = 0.0
 
 
 @kernel

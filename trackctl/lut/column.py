@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import LOST, REACHED, Way, follow, settle
-from trackctl.lut.cell import MOST_DIFFERENCES, Solver, forget, model_of, residual_at, solve_warm
+from trackctl.lut.cell import MOST_DIFFERENCES, Solver, forget, model_of, near_no_slip, residual_at, solve_warm
 from trackctl.lut.cells import PENDING, Cells
 from trackctl.lut.point import NOT_CONVERGED
-from trackctl.lut.swarm_search import near_no_slip, search
+from trackctl.lut.swarm_search import search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible, surely_admissible
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 from trackctl.solvers.levenberg_marquardt import largest

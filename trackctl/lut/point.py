@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.lut.branch import LOST, REACHED, settle
-from trackctl.lut.cell import Solver, forget, model_of, residual_at, solve_cold, solver
+from trackctl.lut.cell import Solver, forget, model_of, near_no_slip, residual_at, solve_cold, solver
 from trackctl.lut.cells import Cells, pending_cells
-from trackctl.lut.swarm_search import SURELY_SMALLEST, near_no_slip, search
+from trackctl.lut.swarm_search import SURELY_SMALLEST, search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
 from trackctl.mechanics.parameters import TrackModel

@@ -12,12 +12,14 @@ from trackctl.compiled import kernel, linked
 from trackctl.lut.cell import (
     DOUBLES,
     PARTICLES,
+    SLIP_SCALE,
     SOLVER,
     TOLERANCE,
     Effort,
     Solver,
     is_answer,
     model_of,
+    no_slip_speed,
     residual_at,
     residuals,
     set_point,
@@ -41,27 +43,9 @@ STARTS = 8
 APPROACH, POLISH = Effort(1e-4, 20), Effort(TOLERANCE, 20)
 #: Answers of a larger sideslip than this may have a rival of smaller sideslip. [rad]
 SURELY_SMALLEST = math.radians(20.0)
-#: The swarm flies in asinh of slip and sideslip over these scales: roots lie at slips from thousandths to ones.
-SLIP_SCALE = 0.01
+#: The swarm flies in asinh of slip over `SLIP_SCALE` and of sideslip over this: roots lie at slips from thousandths to
+#: ones.
 SIDESLIP_SCALE = 0.02
-
-
-@kernel
-def no_slip_speed(model: TrackModel, curvature: float, track: int) -> float:
-    """Speed ratio of a track (0 left, 1 right) that does not slip, kept in the physical box."""
-    arm = (0.5 - track) * model.gauge - model.cog_left
-    return min(max(1.0 - curvature * arm, 2.0 * SLOWEST_TRACK), 0.5 * FASTEST_TRACK)
-
-
-@kernel
-def near_no_slip(model: TrackModel, curvature: float, x: Array) -> None:
-    """Track speed ratios with hardly any slip, and no sideslip, into x.
-
-    Without any, a track on a straight line would not slide at all, and the direction of its shear would be undefined.
-    """
-    for track in range(2):
-        x[track] = no_slip_speed(model, curvature, track) + SLIP_SCALE
-    x[2] = 0.0
 
 
 @kernel
