@@ -68,8 +68,8 @@ def use_sensitivity() -> None:
 
 
 def use_column() -> None:
-    """A column of a table; the branch first, which the other process compiles last."""
-    import_module("trackctl.lut.branch")
+    """A column of a table; the swarm first, which the other process compiles last."""
+    import_module("trackctl.lut.swarm_search")
     from trackctl.lut.sweep import Seeding, Sweep, solve
     from trackctl.mechanics.parameters import STANDARD_GRAVITY, track_model
 
