@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from trackctl.errors import OutputError
-from trackctl.files.atomic import check_output, whole_file
+from trackctl.files import atomic
+from trackctl.files.atomic import check_output, whole_file, whole_files
 
 OLD, NEW = "old", "new"
 
@@ -153,3 +154,50 @@ def test_writers_of_one_output_do_not_mix(tmp_path):
         writer.join()
     assert output.read_text() in texts
     assert os.listdir(tmp_path) == ["out.csv"]
+
+
+def write_pair(folder, force=False):
+    paths = [folder / "pair.h", folder / "pair.c"]
+    with whole_files(paths, force) as temporaries:
+        for path, temporary in zip(paths, temporaries, strict=True):
+            assert temporary.suffix == path.suffix
+            temporary.write_text(NEW)
+        assert not any(path.exists() and path.read_text() == NEW for path in paths)
+
+
+def test_files_that_belong_together_appear_together(tmp_path):
+    write_pair(tmp_path)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"pair.h": NEW, "pair.c": NEW}
+
+
+@pytest.mark.parametrize("taken", ["pair.h", "pair.c"])
+def test_of_files_that_belong_together_none_appears_where_one_is_taken(tmp_path, taken):
+    (tmp_path / taken).write_text(OLD)
+    with pytest.raises(OutputError, match=r"exists already; --force"):
+        write_pair(tmp_path)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {taken: OLD}
+    write_pair(tmp_path, force=True)
+    assert {path.read_text() for path in tmp_path.iterdir()} == {NEW}
+
+
+@pytest.mark.parametrize("suffix", [".h", ".c"])
+def test_of_files_that_belong_together_none_appears_where_the_disk_has_no_room_for_one(tmp_path, monkeypatch, suffix):
+    flush = atomic.flush_to_disk
+
+    def full(path):
+        if path.suffix == suffix:
+            raise OSError(28, "No space left on device")
+        flush(path)
+
+    monkeypatch.setattr(atomic, "flush_to_disk", full)
+    with pytest.raises(OutputError, match=rf"pair\{suffix}: cannot be written: No space left on device"):
+        write_pair(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a named pipe")
+def test_files_that_belong_together_are_no_pipes(tmp_path):
+    os.mkfifo(tmp_path / "pair.c")
+    with pytest.raises(OutputError, match=r"pair\.c: is a device or a pipe"):
+        write_pair(tmp_path)
+    assert os.listdir(tmp_path) == ["pair.c"]

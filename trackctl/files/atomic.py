@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import os
 import secrets
-from collections.abc import Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from trackctl.errors import OutputError
@@ -70,6 +70,42 @@ def whole_file(path: Path, force: bool) -> Iterator[Path]:
             os.replace(temporary, os.path.realpath(path))
         finally:
             temporary.unlink(missing_ok=True)
+
+
+@contextmanager
+def whole_files(paths: Sequence[Path], force: bool) -> Iterator[list[Path]]:
+    """Paths to write files to that belong together: all appear, or none.
+
+    All are on the disk and their places free before the first is renamed; only a crash between two renames could part
+    them.
+
+    Parameters
+    ----------
+    paths
+        The outputs to come.
+    force
+        Whether existing files may be replaced.
+
+    Yields
+    ------
+    list of Path
+        As of `whole_file`.
+
+    Raises
+    ------
+    OutputError
+        As `check_output`, or if the disk is full or the like, or an output is a device or a pipe.
+    """
+    for path in paths:
+        if is_stream(path):
+            raise OutputError(path, "is a device or a pipe; name a file")
+    with ExitStack() as stack:
+        temporaries = [stack.enter_context(whole_file(path, force)) for path in paths]
+        yield temporaries
+        for path, temporary in zip(paths, temporaries, strict=True):
+            with output_errors(path):
+                flush_to_disk(temporary)
+                refuse_occupied(path, force)
 
 
 @contextmanager
