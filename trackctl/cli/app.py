@@ -19,6 +19,7 @@ from trackctl import __version__
 from trackctl.cli import profiles
 from trackctl.cli.calibrate import calibrate
 from trackctl.cli.compute_lut import compute_lut
+from trackctl.cli.export import export
 from trackctl.cli.forces import forces
 from trackctl.cli.identify import identify
 from trackctl.cli.info import info
@@ -48,6 +49,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     predict,
     calibrate,
     plot,
+    export,
 )
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}
