@@ -19,13 +19,12 @@ from trackctl.cli.progress import bar, say
 from trackctl.cli.ranges import given_ranges, list_of, named_numbers
 from trackctl.cli.table_report import tell_estimate, tell_shrunk, tell_steps, tell_summary
 from trackctl.errors import UsageError
+from trackctl.workflows.step_budgets import DEFAULT_BUDGET, LARGEST_REFINED
 
 if TYPE_CHECKING:
     from trackctl.workflows.table_request import TableRequest
     from trackctl.workflows.table_steps import ChosenSteps
 
-DEFAULT_BUDGET = 200_000
-LARGEST_REFINED = 5_000_000
 STEP_NAMES = ("velocity", "radius", "heading")
 
 
@@ -142,7 +141,7 @@ def choose_steps(
     blank: TableRequest, steps: str | None, budget: int | None, tolerance: float | None, jobs: int, quiet: bool
 ) -> ChosenSteps:
     """Explicit steps, or those that the sensitivity indices give under the budget, refined to a tolerance."""
-    from trackctl.workflows.refinement import refine
+    from trackctl.workflows.step_choice import steps_to_tolerance, steps_within
     from trackctl.workflows.table_steps import explicit_steps
 
     if steps is not None:
@@ -151,18 +150,9 @@ def choose_steps(
         tell_shrunk(chosen, step, quiet)
         return chosen
     if tolerance is None:
-        return steps_within(blank, DEFAULT_BUDGET if budget is None else budget, jobs, quiet)
+        return steps_within(blank, DEFAULT_BUDGET if budget is None else budget, jobs)
     most = LARGEST_REFINED if budget is None else budget
-    chosen = steps_within(blank, min(most, DEFAULT_BUDGET), jobs, quiet)
-    return refine(blank, chosen, tolerance / 100.0, most, jobs, lambda text: say(text, quiet))
-
-
-def steps_within(blank: TableRequest, budget: int, jobs: int, quiet: bool) -> ChosenSteps:
-    """Steps that the sensitivity indices give under a budget of cells."""
-    from trackctl.workflows.table_steps import cells_per_slope, sensitivity_of, steps_from_sensitivity
-
-    each = cells_per_slope(blank.vehicle, blank.ranges, budget, blank.slope.size)
-    return steps_from_sensitivity(blank.vehicle, blank.ranges, each, sensitivity_of(blank, jobs))
+    return steps_to_tolerance(blank, tolerance / 100.0, most, jobs, lambda text: say(text, quiet))
 
 
 @contextmanager
