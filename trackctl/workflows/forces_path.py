@@ -50,7 +50,7 @@ def arc_path(radius: float, angle: float) -> ForcesPath:
 
 
 def clothoid_path(
-    radius: float, entry: float, middle: float, exit_length: float, transition: float | None
+    radius: float, entry: float, middle: float, exit_length: float, transition: float | None = None
 ) -> ForcesPath:
     """A curve between two straights; a `transition` takes the place of a clothoid without length. [m]"""
     entry, exit_length = (length or transition or 0.0 for length in (entry, exit_length))

@@ -134,10 +134,22 @@ def slopes(request: LookupRequest, axes: Axes) -> Array:
     )
 
 
-def exact_answers(header: LutHeader, points: Array, jobs: int) -> LookupResult:
+def exact_answers(header: LutHeader | Table, points: Array, jobs: int) -> LookupResult:
     """Answers of the model itself to points in the range of a table, shape (4, n_points)."""
-    vehicle, model = header.vehicle, track_model(header.vehicle, header.terrain, header.gravity)
-    inside = inside_table(header.axes, vehicle, points)
+    inside = inside_table(header.axes, header.vehicle, points)
+    return solved_answers(header.vehicle, header.terrain, header.gravity, points, inside, jobs)
+
+
+def solved_answers(
+    vehicle: VehicleProfile,
+    terrain: TerrainProfile,
+    gravity: float,
+    points: Array,
+    inside: NDArray[np.bool_],
+    jobs: int,
+) -> LookupResult:
+    """Answers of the model to those of the points, shape (4, n_points), that are `inside`."""
+    model = track_model(vehicle, terrain, gravity)
     status = np.full(inside.size, LookupStatus.OUTSIDE_TABLE, np.uint8)
     ratios = np.full((3, inside.size), np.nan)
     cells = solve_points(model, points[:, inside].T, jobs=jobs)

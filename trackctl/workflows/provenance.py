@@ -28,8 +28,13 @@ def provenance(words: Sequence[str]) -> Provenance:
     UsageError
         If ``SOURCE_DATE_EPOCH`` is no time.
     """
+    return made_by(shlex.join(["trackctl", *words]))
+
+
+def made_by(call: str) -> Provenance:
+    """The same for a call of another kind."""
     created = moment().isoformat(timespec="seconds")
-    return Provenance(created, f"{created} trackctl {__version__}: {shlex.join(['trackctl', *words])}")
+    return Provenance(created, f"{created} trackctl {__version__}: {call}")
 
 
 def moment() -> datetime:
