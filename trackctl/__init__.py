@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     )
     from trackctl.api.profiles import TerrainProfile, VehicleProfile, load_terrain, load_vehicle
     from trackctl.api.tables import (
+        CMethod,
         ExportFormat,
         ExportResult,
         LookupMethod,
@@ -59,6 +60,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Basis",
+    "CMethod",
     "CircleTarget",
     "DriveCommands",
     "ExportFormat",

@@ -85,6 +85,13 @@ def test_prefix_and_precision(folder):
     assert "Marder_1_lookup(float slope" in (folder / "lut.h").read_text()
 
 
+@pytest.mark.parametrize(("words", "method"), [([], "linear"), (["--method", "mls"], "mls")])
+def test_the_header_names_the_method(folder, words, method):
+    assert run("lut.h5", "-o", "robot.c", *words).exit_code == 0
+    assert f"Interpolates as `trackctl lookup --method {method}`" in (folder / "robot.h").read_text()
+    assert ("square(" in (folder / "robot.c").read_text()) == (method == "mls")
+
+
 @pytest.mark.parametrize("kind", ["mat", "npz"])
 def test_arrays(folder, kind):
     result = run("lut.h5", "-o", f"table.{kind}", "--json")
@@ -162,6 +169,7 @@ def test_no_cell_with_an_answer_exits_1(folder):
         (["lut.h5", "--format", "mat", "-o", "a.npz"], "allowed: a file that ends in .mat beside --format mat"),
         (["lut.h5", "--format", "json"], "--format"),
         (["lut.h5", "-o", "a.c", "--precision", "half"], "--precision"),
+        (["lut.h5", "-o", "a.c", "--method", "cubic"], "--method"),
         (["lut.h5", "-o", "a.c", "--prefix", "1st"], "--prefix: 1st is not allowed; allowed: a letter, then"),
         (["lut.h5", "-o", "a.c", "--prefix", ""], "--prefix:  is not allowed"),
         (["lut.h5", "-o", "a.c", "--prefix", "größe"], "--prefix: größe is not allowed"),

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from scipy.interpolate import RegularGridInterpolator
-from scipy.io import loadmat
+from scipy.io import loadmat, whosmat
 from table_variants import scattered, variants
 
 from trackctl.export import array_files
@@ -105,6 +105,9 @@ def test_mat_round_trip(tmp_path, name):
         wanted = array if slopes > 1 else array[..., 0]
         assert found[key].dtype == (np.uint8 if key == "feasible" else array.dtype)
         np.testing.assert_array_equal(found[key], wanted)
+    kinds = {key: kind for key, _, kind in whosmat(tmp_path / "table.mat")}
+    assert (kinds["feasible"], kinds["status"], kinds["heading"]) == ("logical", "uint8", "double")
+    assert (kinds["units"], kinds["dimensions"], kinds["readme"]) == ("struct", "cell", "char")
     assert {key: found[key].item() for key in NUMBERS} == NUMBERS
     assert "".join(found["readme"]) == TEXTS["readme"]
     assert [word.item() for word in found["dimensions"].ravel()] == list(DIMENSIONS)

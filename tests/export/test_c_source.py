@@ -9,8 +9,8 @@ import pytest
 from solved_tables import SLOPE
 from table_variants import queries, scattered, variants
 
+from trackctl.export.c_choices import CMethod, Precision
 from trackctl.export.c_source import CTarget, c_source, comment, is_prefix
-from trackctl.export.precision import Precision
 from trackctl.lut.axes import FULL_CIRCLE
 from trackctl.lut.interpolation import LookupResult, LookupStatus, interpolant, look_up
 from trackctl.lut.shape_functions import Method
@@ -27,17 +27,17 @@ def gcc(*words):
     subprocess.run(["gcc", *map(str, words)], check=True)
 
 
-def written(folder, table, precision, prefix="robot"):
+def written(folder, table, precision, method=CMethod.LINEAR, prefix="robot"):
     """Header and source of a table in a folder."""
-    found = c_source(table, CTarget(precision, prefix, "robot.h"), {"vehicle": table.vehicle.description})
+    found = c_source(table, CTarget(precision, prefix, "robot.h", method), {"vehicle": table.vehicle.description})
     (folder / "robot.h").write_text(found.header, encoding="ascii")
     (folder / "robot.c").write_text(found.source, encoding="ascii")
     return found
 
 
-def compiled(folder, table, precision):
+def compiled(folder, table, precision, method=CMethod.LINEAR):
     """What answers points of shape (4, n) by the compiled source: arrays by name, and status."""
-    written(folder, table, precision)
+    written(folder, table, precision, method)
     gcc(*STRICT, "-O2", "-shared", "-fPIC", folder / "robot.c", "-o", folder / "robot.so", "-lm")
     number = NUMBERS[precision]
     answer = type("Answer", (ctypes.Structure,), {"_fields_": [(name, number) for name in NAMES]})
@@ -60,15 +60,16 @@ def table(request):
     return TABLES[request.param]
 
 
-def expected(table, points):
-    return look_up(interpolant(table), *points, method=Method.LINEAR)
+def expected(table, points, method=CMethod.LINEAR):
+    return look_up(interpolant(table), *points, method=Method(method.value))
 
 
 @needs_gcc
-def test_double_answers_as_lookup(tmp_path, table):
+@pytest.mark.parametrize("method", list(CMethod))
+def test_double_answers_as_lookup(tmp_path, table, method):
     points = queries(table, 2000)
-    found, status = compiled(tmp_path, table, Precision.DOUBLE)(points)
-    wanted = expected(table, points)
+    found, status = compiled(tmp_path, table, Precision.DOUBLE, method)(points)
+    wanted = expected(table, points, method)
     np.testing.assert_array_equal(status, wanted.status)
     for name in NAMES:
         # Sums of 16 products of order 1, rates of 10, in another order; NaN there is 0 here.
@@ -84,14 +85,14 @@ def test_the_points_meet_every_status_of_the_tables():
 
 
 @needs_gcc
-def test_float_answers_as_lookup_to_six_digits(tmp_path, table):
+@pytest.mark.parametrize("method", list(CMethod))
+def test_float_answers_as_lookup_to_six_digits(tmp_path, table, method):
     points = scattered(table, np.random.default_rng(2), 3000).astype(np.float32).astype(np.float64)
-    answers = compiled(tmp_path, table, Precision.FLOAT)
-    found, status = answers(points)
+    found, status = compiled(tmp_path, table, Precision.FLOAT, method)(points)
     # An axis of one node is met by its rounding.
     for row, nodes in enumerate((table.axes.slope, table.axes.velocity, table.axes.curvature, table.axes.heading)):
         points[row] = nodes[0] if nodes.size == 1 else points[row]
-    wanted = expected(table, points)
+    wanted = expected(table, points, method)
     np.testing.assert_array_equal(status, wanted.status)
     for name in NAMES:
         np.testing.assert_allclose(found[name], np.nan_to_num(getattr(wanted, name), nan=0.0), rtol=1e-6, atol=1e-6)

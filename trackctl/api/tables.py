@@ -25,7 +25,7 @@ from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows import compute_lut
 from trackctl.workflows import export as export_workflow
 from trackctl.workflows.export import ExportRequest, ExportResult
-from trackctl.workflows.export_options import ExportFormat, Precision
+from trackctl.workflows.export_options import CMethod, ExportFormat, Precision
 from trackctl.workflows.lookup import exact_answers, solved_answers
 from trackctl.workflows.lookup_method import LookupMethod
 from trackctl.workflows.provenance import made_by
@@ -36,6 +36,7 @@ from trackctl.workflows.table_request import TableRequest, new_request
 from trackctl.workflows.table_steps import AXES, ChosenSteps, explicit_steps
 
 __all__ = [
+    "CMethod",
     "ExportFormat",
     "ExportResult",
     "LookupMethod",
@@ -342,6 +343,7 @@ def export_table(
     output: str | Path,
     *,
     precision: Precision = Precision.DOUBLE,
+    method: CMethod = CMethod.LINEAR,
     prefix: str | None = None,
     force: bool = False,
 ) -> ExportResult:
@@ -353,7 +355,7 @@ def export_table(
         The table's file.
     output
         File to write.
-    precision, prefix
+    precision, method, prefix
         Of C; the prefix of its names is that of the file by default.
     force
         Replace existing files.
@@ -370,7 +372,7 @@ def export_table(
     >>> [file.name for file in written.files], written.size
     (['robot.h', 'robot.c'], 20456)
     """
-    return export_workflow.export_table(ExportRequest(Path(path), Path(output), None, precision, prefix, force))
+    return export_workflow.export_table(ExportRequest(Path(path), Path(output), None, precision, method, prefix, force))
 
 
 def shaped(found: LookupResult, shape: tuple[int, ...]) -> LookupResult:

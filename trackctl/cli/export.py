@@ -10,7 +10,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.progress import say
-from trackctl.workflows.export_options import ExportFormat, Precision
+from trackctl.workflows.export_options import CMethod, ExportFormat, Precision
 
 if TYPE_CHECKING:
     from trackctl.workflows.export import ExportResult
@@ -39,6 +39,9 @@ def export(
     precision: Annotated[Precision, typer.Option("--precision", help="Of C: numbers and arithmetic.")] = (
         Precision.DOUBLE
     ),
+    method: Annotated[
+        CMethod, typer.Option("--method", help="Of C: how to interpolate, as `lookup` does.")
+    ] = CMethod.LINEAR,
     prefix: Annotated[
         str | None,
         typer.Option("--prefix", metavar="NAME", help="Of C: of its names.", show_default="the name of the output"),
@@ -49,15 +52,15 @@ def export(
 ) -> None:
     """A look-up table for controllers, Simulink and scripts: C99 header and source, MATLAB .mat or NumPy .npz.
 
-    C has one function that answers as `lookup --method linear`, without allocation or global state. The arrays of
-    .mat and .npz hold both turns and the full circle of headings, NaN where there is no answer.
+    C has one function that answers as `lookup --method linear` (or mls), without allocation or global state. The arrays
+    of .mat and .npz hold both turns and the full circle of headings, NaN where there is no answer.
 
     Example:
       trackctl export lut.h5 --format c --precision float --prefix robot -o robot.c
     """
     from trackctl.workflows.export import ExportRequest, export_table
 
-    result = export_table(ExportRequest(lut, output, kind, precision, prefix, force))
+    result = export_table(ExportRequest(lut, output, kind, precision, method, prefix, force))
     for note in result.notes:
         say(f"{lut}: {note}", quiet)
     say(in_words(result, precision), quiet)

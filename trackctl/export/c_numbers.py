@@ -7,7 +7,7 @@ from itertools import islice
 
 import numpy as np
 
-from trackctl.export.precision import Precision
+from trackctl.export.c_choices import Precision
 from trackctl.lut.axes import Array
 
 

@@ -13,8 +13,8 @@ from string import Template
 import numpy as np
 
 from trackctl import __version__
+from trackctl.export.c_choices import CMethod, Precision
 from trackctl.export.c_numbers import literal, literals, rounded, rows
-from trackctl.export.precision import Precision
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.interpolation import Grid, LookupStatus, interpolant
 from trackctl.lut.shape_functions import SNAP
@@ -40,11 +40,14 @@ class CTarget:
         That public names begin with; see `is_prefix`.
     header
         File name of the header.
+    method
+        How to interpolate.
     """
 
     precision: Precision
     prefix: str
     header: str
+    method: CMethod = CMethod.LINEAR
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,12 +79,18 @@ class Borders:
         The range, with a margin for rounding.
     snap
         A point this close to a node is at the node. [steps]
+    wraps
+        Whether the nodes go round.
+    bends
+        Whether no stencil of four nodes reaches across 0.
     """
 
     nodes: Array
     lower: float
     upper: float
     snap: float
+    wraps: bool
+    bends: bool
 
 
 def is_prefix(text: str) -> bool:
@@ -110,7 +119,7 @@ def c_source(table: Table, target: CTarget, description: Mapping[str, str]) -> C
     borders = {name: border_nodes(table.axes, name, target.precision) for name in AXES}
     size = data_size(grid, borders.values(), target.precision)
     fields = data_fields(grid, table.axes, borders, target.precision)
-    table_id = zlib.crc32(repr((target.precision.value, fields)).encode())
+    table_id = zlib.crc32(repr((target.precision.value, target.method.value, fields)).encode())
     fields |= {
         "version": __version__,
         "description": comment({**description, "size": f"{size} bytes of constant data, {target.precision.value}"}),
@@ -118,6 +127,8 @@ def c_source(table: Table, target: CTarget, description: Mapping[str, str]) -> C
         "prefix": target.prefix,
         "PREFIX": target.prefix.upper(),
         "header": target.header,
+        "method": target.method.value,
+        "weigh": template(f"{target.method.value}.c.in").substitute(target.precision.words),
         "table_id": f"0x{table_id:08X}UL",
         "table_bytes": str(size),
         **end_fields(grid, borders, target.precision),
@@ -135,7 +146,8 @@ def template(name: str) -> Template:
 def border_nodes(axes: Axes, name: str, precision: Precision) -> Borders:
     """An axis rounded to a precision, with margins as of `look_up` or of the rounding, whichever is more."""
     nodes: Array = getattr(axes, name)
-    if name == "heading" and axes.heading_is_periodic:
+    wraps, bends = name == "heading" and axes.heading_is_periodic, name == "curvature"
+    if wraps:
         nodes = np.append(nodes, nodes[0] + FULL_CIRCLE)
     nodes = rounded(nodes, precision)
     steps = np.diff(nodes)
@@ -144,9 +156,10 @@ def border_nodes(axes: Axes, name: str, precision: Precision) -> Borders:
     rounding = ROUNDING * precision.epsilon * float(np.abs(nodes).max())
     if not steps.size:
         margin = max(SNAP * abs(float(nodes[0])), rounding)
-        return Borders(nodes, float(nodes[0]) - margin, float(nodes[0]) + margin, SNAP)
+        return Borders(nodes, float(nodes[0]) - margin, float(nodes[0]) + margin, SNAP, wraps, bends)
     snap = max(SNAP, rounding / float(steps.min()))
-    return Borders(nodes, float(nodes[0] - snap * steps[0]), float(nodes[-1] + snap * steps[-1]), snap)
+    lower, upper = float(nodes[0] - snap * steps[0]), float(nodes[-1] + snap * steps[-1])
+    return Borders(nodes, lower, upper, snap, wraps, bends)
 
 
 def data_size(grid: Grid, borders: Iterable[Borders], precision: Precision) -> int:
@@ -189,7 +202,7 @@ def node_array(name: str, axis: Borders, precision: Precision) -> str:
 def axis_entry(name: str, axis: Borders, precision: Precision) -> str:
     """The entry of an axis in the table of axes."""
     lower, upper, snap = (literal(value, precision) for value in (axis.lower, axis.upper, axis.snap))
-    return f"    {{{name}_nodes, {axis.nodes.size}, {lower}, {upper}, {snap}}}"
+    return f"    {{{name}_nodes, {axis.nodes.size}, {lower}, {upper}, {snap}, {axis.wraps:d}, {axis.bends:d}}}"
 
 
 def end_fields(grid: Grid, borders: Mapping[str, Borders], precision: Precision) -> dict[str, str]:

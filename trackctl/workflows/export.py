@@ -16,7 +16,7 @@ from trackctl.files.lut_reader import read_lut
 from trackctl.files.profile_yaml import terrain_to_yaml, vehicle_to_yaml
 from trackctl.lut.axes import Array
 from trackctl.lut.table import Status, Table
-from trackctl.workflows.export_options import ExportFormat, Precision
+from trackctl.workflows.export_options import CMethod, ExportFormat, Precision
 
 #: Compilers take long over the constants of more cells.
 MANY_CELLS = 1_000_000
@@ -46,7 +46,7 @@ class ExportRequest:
         File to write, None for one beside the table; of the two files of C either.
     kind
         None to go by the suffix of the output.
-    precision, prefix
+    precision, method, prefix
         Of C; a prefix of None is the name of the output.
     force
         Whether existing files may be replaced.
@@ -56,6 +56,7 @@ class ExportRequest:
     output: Path | None = None
     kind: ExportFormat | None = None
     precision: Precision = Precision.DOUBLE
+    method: CMethod = CMethod.LINEAR
     prefix: str | None = None
     force: bool = False
 
@@ -142,7 +143,7 @@ def checked_prefix(request: ExportRequest, output: Path) -> str:
 
 def export_c(table: Table, files: tuple[Path, ...], prefix: str, request: ExportRequest) -> ExportResult:
     """Write header and source."""
-    target = CTarget(request.precision, prefix, files[0].name)
+    target = CTarget(request.precision, prefix, files[0].name, request.method)
     try:
         found = c_source(table, target, c_description(table))
     except ValueError as error:

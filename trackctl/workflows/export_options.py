@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from enum import StrEnum
 
-from trackctl.export.precision import Precision
+from trackctl.export.c_choices import CMethod, Precision
 
-__all__ = ["ExportFormat", "Precision"]
+__all__ = ["CMethod", "ExportFormat", "Precision"]
 
 
 class ExportFormat(StrEnum):
