@@ -26,10 +26,12 @@ IDENTIFY_COLUMNS = [
     "time_s", "icr_left_m", "icr_right_m", "icr_x_m", *(f"p{i}" for i in range(1, 10)),
     *(f"p{i}_std" for i in range(1, 10)), "innovation_x_m", "innovation_y_m", "innovation_yaw_rad", "accepted",
     "position_error_m", "yaw_error_rad", "no_slip_position_error_m", "no_slip_yaw_error_rad",
+    "icr_left_std_m", "icr_right_std_m", "icr_x_std_m",
 ]  # fmt: skip
 PREDICT_COLUMNS = [
     "time_s", "horizon_s", "x_m", "y_m", "yaw_rad", "x_std_m", "y_std_m", "yaw_std_rad",
     "position_error_m", "yaw_error_rad", "no_slip_position_error_m", "no_slip_yaw_error_rad",
+    *(f"{pose}_{name}" for pose in ("start", "no_slip", "actual") for name in ("x_m", "y_m", "yaw_rad")),
 ]  # fmt: skip
 
 
@@ -164,6 +166,29 @@ def test_predict_from_each_pose(run, log):
     summary = json.loads(run("predict", log, "--slip", "slip.yaml", "--json").stdout)
     assert summary["predictions"] == 141
     assert summary["heading_error_rad"]["reduction_percent"] > 85.0
+
+
+def test_the_poses_between_which_a_prediction_lies(run, log):
+    """Where it starts, where the tracks lead without slip, and where the vehicle was."""
+    run("identify", log, *CARRIER, "--save", "slip.yaml", "-o", "updates.csv")
+    table = rows(run("predict", log, "--slip", "slip.yaml", "--horizon-s", 1.5).stdout)
+    truth = np.genfromtxt(log, delimiter=",", skip_header=1)
+
+    def pose(row, name):
+        return np.array([float(row[f"{name}_{quantity}"] or "nan") for quantity in ("x_m", "y_m", "yaw_rad")])
+
+    for first in (0, 15, 40, 125):
+        row, end = table[first], truth[first, 3:]
+        assert pose(row, "start") == pytest.approx(end)
+        for left, right in truth[first : first + 15, 1:3]:
+            end = step(end, 0.5 * (left + right), 0.0, (right - left) / 2.464, 0.1)
+        assert pose(row, "no_slip") == pytest.approx(end, abs=1e-9)
+        assert pose(row, "actual") == pytest.approx(truth[first + 15, 3:])
+        off = pose(row, "no_slip") - pose(row, "actual")
+        assert float(row["no_slip_position_error_m"]) == pytest.approx(np.hypot(off[0], off[1]))
+        assert float(row["no_slip_yaw_error_rad"]) == pytest.approx(abs(off[2]))
+    assert np.isfinite(pose(table[-1], "no_slip")).all()
+    assert np.isnan(pose(table[-1], "actual")).all()
 
 
 def test_a_single_pose_is_predicted_by_speeds_that_hold(run, log):

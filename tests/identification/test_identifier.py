@@ -112,6 +112,22 @@ def test_straight_driving_teaches_no_icr():
     assert (np.abs(noisy["icr"] - nominal) < 0.5 * noisy["std"][:, 6:9]).all()
 
 
+def test_straight_driving_knows_its_icrs_as_well_as_the_offsets():
+    """a and k vanish there, and with other parameters nothing is added."""
+    updates, _ = learn(abrupt_change(0, noise=0.0)[:20])
+    assert updates["icr_std"] == pytest.approx(updates["std"][:, 6:9], rel=1e-12)
+    assert (learn(many_turns(0), model="none")[0]["icr_std"] == 0.0).all()
+
+
+def test_icrs_of_a_turn_are_known_better_than_the_parameters():
+    """Three parameters make each; in one turn only their sum shows. The truth lies within 4 of its deviations."""
+    for seed in range(5):
+        updates, _ = learn(abrupt_change(seed))
+        late = updates[updates["pose"]["time"] > 5.0]
+        assert (late["icr_std"] < 0.5 * late["std"][:, [6, 7, 8]]).all()
+        assert (np.abs(late["icr"] - [2.232, -2.232, 0.5]) < 4.0 * late["icr_std"]).mean() > 0.99
+
+
 def test_standard_deviations_cover_the_truth():
     """Of a constant turn the ICRs are known; their error is within 3.5 sigma of the offsets' covariance."""
     for seed in range(10):
@@ -128,7 +144,7 @@ def test_blocks_do_not_matter(size):
     learner = LogFilter(FilterSettings(GAUGE))
     parts = [learner.feed(rows[i : i + size]) for i in range(0, len(rows), size)]
     joined = np.concatenate([*parts, learner.finish()])
-    for name in ("p", "std", "innovation", "error", "no_slip_error", "icr"):
+    for name in ("p", "std", "innovation", "error", "no_slip_error", "icr", "icr_std", "no_slip", "actual"):
         assert np.array_equal(joined[name], whole[name], equal_nan=True)
     assert joined["pose"].tolist() == whole["pose"].tolist()
 

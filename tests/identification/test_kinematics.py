@@ -9,6 +9,7 @@ from trackctl.identification.kinematics import (
     LEAST_DISTANCE,
     arc,
     icr_positions,
+    icr_stds,
     twist_of,
     twist_slopes,
 )
@@ -63,6 +64,20 @@ def test_slopes_are_derivatives(p, left, right):
         down[index] -= h
         numeric = (np.array(twist_of(up, GAUGE, left, right)) - twist_of(down, GAUGE, left, right)) / (2 * h)
         assert factor * slopes[row] == pytest.approx(numeric, abs=2e-7)  # a difference quotient's error
+
+
+@given(parameters, speeds, speeds, st.integers(0, 2**32 - 1))
+def test_spread_of_the_icrs_is_that_of_the_parameters(p, left, right, seed):
+    """h P h' with h from differences; the positions are linear in p within their bounds."""
+    root = np.random.default_rng(seed).standard_normal((11, 11))
+    base, small = 0.01 * p, 1e-3
+    slopes = np.empty((3, 11))
+    for i, step in enumerate(small * np.eye(11)):
+        up, down = icr_positions(base + step, GAUGE, left, right), icr_positions(base - step, GAUGE, left, right)
+        slopes[:, i] = (np.array(up) - np.array(down)) / (2.0 * small)
+    covariance = root @ root.T
+    expected = np.sqrt(np.diag(slopes @ covariance @ slopes.T))
+    assert icr_stds(covariance, GAUGE, left, right) == pytest.approx(expected, rel=1e-6)
 
 
 def test_icrs_stay_apart_and_in_reach():

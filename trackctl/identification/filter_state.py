@@ -34,12 +34,15 @@ UPDATE = np.dtype(
     [
         ("pose", POSE),
         ("icr", np.float64, 3),  # y of the left and right track's, and their x, at the row's speeds [m]
+        ("icr_std", np.float64, 3),
         ("p", np.float64, PARAMETERS),
         ("std", np.float64, PARAMETERS),
         ("innovation", np.float64, 3),  # [m, m, rad]; NaN where nothing was compared
         ("accepted", np.bool_),
         ("predicted", np.float64, 3),  # pose after the horizon, in the world [m, m, rad]
         ("predicted_std", np.float64, 3),
+        ("no_slip", np.float64, 3),  # the same without slip
+        ("actual", np.float64, 3),  # and the pose that came, interpolated; NaN where it is not known
         ("error", np.float64, 2),  # of position [m] and heading [rad]; NaN where the later pose is not known
         ("no_slip_error", np.float64, 2),
     ],

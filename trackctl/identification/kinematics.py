@@ -70,6 +70,21 @@ def icr_positions(p: Array, gauge: float, left: float, right: float) -> Icrs:
 
 
 @kernel
+def icr_stds(P: Array, gauge: float, left: float, right: float) -> Icrs:
+    """Standard deviations of the ICRs for a covariance P of the parameters, their bounds left aside. [m]"""
+    a, k = lateral_acceleration(gauge, left, right), curvature(gauge, left, right)
+    return Icrs(sum_std(P, a, k, 0, 6), sum_std(P, -a, -k, 2, 7), sum_std(P, a, k, 4, 8))
+
+
+@kernel
+def sum_std(P: Array, a: float, k: float, first: int, offset: int) -> float:
+    """Standard deviation of a p_i + k p_(i+1) + p_j for i = `first` and j = `offset`."""
+    variance = a * a * P[first, first] + k * k * P[first + 1, first + 1] + P[offset, offset]
+    variance += 2.0 * (a * k * P[first, first + 1] + a * P[first, offset] + k * P[first + 1, offset])
+    return math.sqrt(max(variance, 0.0))
+
+
+@kernel
 def twist_of(p: Array, gauge: float, left: float, right: float) -> Twist:
     """Twist of the body under track speeds, v_x = (V_r y_l - V_l y_r)/d, omega = (V_r - V_l)/d, v_y = -x omega."""
     icrs = icr_positions(p, gauge, left, right)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from trackctl.compiled import kernel
 from trackctl.identification.filter_state import MOST_WAITING, POSES, UPDATES, Pose, Ring, State, Update
 from trackctl.identification.kalman import forget
-from trackctl.identification.kinematics import icr_positions
+from trackctl.identification.kinematics import icr_positions, icr_stds
 from trackctl.identification.measurement import take, wrap
 from trackctl.identification.slip_model import PARAMETERS
 from trackctl.identification.track_history import append, travel, travel_slopes
@@ -48,6 +48,8 @@ def advance(state: State, ring: Ring, poses: Ring, updates: Ring, rows: Array) -
         pose = state.pose
         pose.time, pose.x, pose.y, pose.yaw = time, rows[i, 3], rows[i, 4], rows[i, 5]
         pose.has_position = abs(pose.x) <= FARTHEST and abs(pose.y) <= FARTHEST
+        if not pose.has_position:
+            pose.x = pose.y = math.nan
         if abs(pose.yaw) <= MOST_TURNED and time > state.last.time:
             if is_held(state, pose):
                 state.held += 1
@@ -179,7 +181,9 @@ def record(state: State, update: Update, pose: Pose, rows: int) -> None:
     copy_pose(pose, update.pose)
     left, right = (state.left, state.right) if math.isfinite(state.left) else (0.0, 0.0)
     icrs = icr_positions(estimate.p, state.gauge, left, right)
+    stds = icr_stds(estimate.P, state.gauge, left, right)
     update.icr[0], update.icr[1], update.icr[2] = icrs.left, icrs.right, icrs.x
+    update.icr_std[0], update.icr_std[1], update.icr_std[2] = stds.left, stds.right, stds.x
     update.p[:] = estimate.p
     for i in range(PARAMETERS):
         update.std[i] = math.sqrt(max(estimate.P[i, i], 0.0))
@@ -189,6 +193,8 @@ def record(state: State, update: Update, pose: Pose, rows: int) -> None:
         update.innovation[i] = math.nan
     update.predicted[:] = math.nan
     update.predicted_std[:] = math.nan
+    update.no_slip[:] = math.nan
+    update.actual[:] = math.nan
     update.error[:] = math.nan
     update.no_slip_error[:] = math.nan
 
@@ -208,18 +214,21 @@ def settle_until(state: State, ring: Ring, updates: Ring, pose: Pose) -> None:
         settle(state, ring, update)
         near = pose.time - last.time <= state.horizon + SAME_TIME or end >= pose.time - SAME_TIME
         if near and update.accepted and update.pose.time >= state.continuous_since:
-            part = (end - last.time) / (pose.time - last.time)
-            yaw = last.yaw + part * wrap(pose.yaw - last.yaw)
-            update.error[1] = abs(wrap(update.predicted[2] - yaw))
-            travel(ring, state.intervals, state.no_slip, state.gauge, update.pose.time, end, state.after)
-            update.no_slip_error[1] = abs(wrap(update.pose.yaw + state.after[2] - yaw))
-            if update.pose.has_position and pose.has_position and last.has_position:
-                x, y = last.x + part * (pose.x - last.x), last.y + part * (pose.y - last.y)
-                update.error[0] = math.hypot(update.predicted[0] - x, update.predicted[1] - y)
-                no_slip_x, no_slip_y = into_world(update.pose, state.after)
-                update.no_slip_error[0] = math.hypot(no_slip_x - x, no_slip_y - y)
+            compare(update, last, pose, (end - last.time) / (pose.time - last.time))
             doubt(state, update)
         state.settled += 1
+
+
+@kernel
+def compare(update: Update, last: Pose, pose: Pose, part: float) -> None:
+    """Compare what was predicted with the pose between two, `part` of the way from the first to the second."""
+    actual = update.actual
+    actual[2] = last.yaw + part * wrap(pose.yaw - last.yaw)
+    if update.pose.has_position and pose.has_position and last.has_position:
+        actual[0], actual[1] = last.x + part * (pose.x - last.x), last.y + part * (pose.y - last.y)
+    for error, predicted in ((update.error, update.predicted), (update.no_slip_error, update.no_slip)):
+        error[0] = math.hypot(predicted[0] - actual[0], predicted[1] - actual[1])
+        error[1] = abs(wrap(predicted[2] - actual[2]))
 
 
 @kernel
@@ -239,15 +248,17 @@ def doubt(state: State, update: Update) -> None:
 
 
 @kernel
-def into_world(pose: Pose, motion: Array) -> tuple[float, float]:
-    """Where a motion from a pose leads."""
-    cos, sin = math.cos(pose.yaw), math.sin(pose.yaw)
-    return pose.x + cos * motion[0] - sin * motion[1], pose.y + sin * motion[0] + cos * motion[1]
+def into_world(start: Pose, motion: Array, end: Array) -> None:
+    """Where a motion from a pose leads, as x, y and yaw."""
+    cos, sin = math.cos(start.yaw), math.sin(start.yaw)
+    end[0] = start.x + cos * motion[0] - sin * motion[1]
+    end[1] = start.y + sin * motion[0] + cos * motion[1]
+    end[2] = start.yaw + motion[2]
 
 
 @kernel
 def settle(state: State, ring: Ring, update: Update) -> None:
-    """Predict the pose after the horizon, with its standard deviation where the parameters stay as they are."""
+    """Predict the pose after the horizon, also without slip; with its spread where the parameters stay as they are."""
     start, motion = update.pose, state.motion
     end = start.time + state.horizon
     if state.learns:
@@ -256,8 +267,9 @@ def settle(state: State, ring: Ring, update: Update) -> None:
         known = travel_slopes(ring, state.intervals, update.p, state.gauge, start.time, end, motion)
         predicted_std(state, start.yaw, update.predicted_std)
     if known:
-        update.predicted[0], update.predicted[1] = into_world(start, motion.pose)
-        update.predicted[2] = start.yaw + motion.pose[2]
+        into_world(start, motion.pose, update.predicted)
+        travel(ring, state.intervals, state.no_slip, state.gauge, start.time, end, state.after)
+        into_world(start, state.after, update.no_slip)
 
 
 @kernel

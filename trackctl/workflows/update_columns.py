@@ -23,15 +23,24 @@ def identify_columns(updates: Updates, model: SlipModel) -> Columns:
     columns |= {f"p{i + 1}_std": updates["std"][:, i] for i in range(count)}
     names = ("innovation_x_m", "innovation_y_m", "innovation_yaw_rad")
     columns |= {name: updates["innovation"][:, i] for i, name in enumerate(names)}
-    return columns | {"accepted": updates["accepted"]} | error_columns(updates)
+    columns |= {"accepted": updates["accepted"]} | error_columns(updates)
+    return columns | {f"icr_{name}_std_m": updates["icr_std"][:, i] for i, name in enumerate(("left", "right", "x"))}
 
 
 def predict_columns(updates: Updates, horizon: float) -> Columns:
     """Columns of `predict`."""
     columns: Columns = {"time_s": updates["pose"]["time"], "horizon_s": np.full(len(updates), horizon)}
-    columns |= {name: updates["predicted"][:, i] for i, name in enumerate(("x_m", "y_m", "yaw_rad"))}
+    columns |= pose_columns("", updates["predicted"])
     columns |= {name: updates["predicted_std"][:, i] for i, name in enumerate(("x_std_m", "y_std_m", "yaw_std_rad"))}
-    return columns | error_columns(updates)
+    start = updates["pose"]
+    columns |= error_columns(updates)
+    columns |= {"start_x_m": start["x"], "start_y_m": start["y"], "start_yaw_rad": start["yaw"]}
+    return columns | pose_columns("no_slip_", updates["no_slip"]) | pose_columns("actual_", updates["actual"])
+
+
+def pose_columns(prefix: str, poses: Array) -> Columns:
+    """Columns of poses, shape (n, 3)."""
+    return {f"{prefix}{name}": poses[:, i] for i, name in enumerate(("x_m", "y_m", "yaw_rad"))}
 
 
 def error_columns(updates: Updates) -> Columns:
