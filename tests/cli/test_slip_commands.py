@@ -191,6 +191,14 @@ def test_the_poses_between_which_a_prediction_lies(run, log):
     assert np.isnan(pose(table[-1], "actual")).all()
 
 
+def test_what_identify_and_predict_write_is_drawn(run, log):
+    run("identify", log, *CARRIER, "--save", "slip.yaml", "-o", "updates.csv")
+    run("predict", log, "-o", "poses.csv")
+    for name, kind in (("updates", "identification"), ("poses", "prediction")):
+        result = run("plot", f"{name}.csv", "-o", f"{name}.svg")
+        assert (result.exit_code, result.stderr) == (0, f"{name}.csv: {kind}, drawn to {name}.svg\n")
+
+
 def test_a_single_pose_is_predicted_by_speeds_that_hold(run, log):
     run("identify", log, *CARRIER, "--model", "none", "--save", "slip.yaml", "-o", "updates.csv")
     line = "time_s,track_speed_left_mps,track_speed_right_mps,x_m,y_m,yaw_deg\n5,1,1,2,3,90\n"

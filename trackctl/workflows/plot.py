@@ -172,7 +172,10 @@ PICTURES = (
         ("time_s", "horizon_s"),
         ("x_m", "y_m", "yaw_rad", "x_std_m", "y_std_m", "yaw_std_rad"),
         draw_prediction,
-        optional=("position_error_m", "yaw_error_rad", "no_slip_position_error_m", "no_slip_yaw_error_rad"),
+        optional=(
+            *("position_error_m", "yaw_error_rad", "no_slip_position_error_m", "no_slip_yaw_error_rad"),
+            *("start_x_m", "start_y_m", "no_slip_x_m", "no_slip_y_m", "actual_x_m", "actual_y_m"),
+        ),
     ),
     CsvPicture(
         FileKind.LOOKUP,
