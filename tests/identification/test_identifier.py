@@ -223,6 +223,12 @@ def test_speeds_and_poses_in_rows_of_their_own():
     assert mean_errors(learn(merged)[0]) == pytest.approx(mean_errors(learn(rows)[0]), rel=0.05)
 
 
+def delayed(rows, delay):
+    """The poses of a while before, in the rows of now."""
+    then = np.column_stack([np.interp(rows[:, 0] - delay, rows[:, 0], rows[:, column]) for column in (3, 4, 5)])
+    return np.column_stack((rows[:, :3], then))
+
+
 FUZZ = {
     "dropped": lambda rows, pick, random: rows[~pick],
     "duplicated": lambda rows, pick, random: np.repeat(rows, 1 + pick, axis=0),
@@ -233,6 +239,11 @@ FUZZ = {
     "speed spikes": lambda rows, pick, random: rows + pick[:, None] * [0, 5, -3, 0, 0, 0],
     "absurd speeds": lambda rows, pick, random: np.where(pick[:, None], rows * [1, 1e300, -1e200, 1, 1, 1], rows),
     "clock errors": lambda rows, pick, random: rows + (pick * random.normal(0, 100, len(rows)))[:, None] * np.eye(6)[0],
+}
+FUZZ |= {
+    "late rows": lambda rows, pick, random: rows[np.argsort(rows[:, 0] + pick * random.uniform(0.1, 0.5, len(rows)))],
+    "old poses": lambda rows, pick, random: delayed(rows, pick * random.uniform(0.1, 0.5, len(rows))),
+    "poses at odd times": lambda rows, pick, random: delayed(rows, random.uniform(0.0, 0.1, len(rows))),
 }
 
 
@@ -246,6 +257,20 @@ def test_a_log_with_faults_still_teaches(kind, model):
         assert np.isfinite(learner.learned().covariance).all()
         assert (reductions(mean_errors(updates)) > 50.0).all()
         assert np.median(np.abs(updates["icr"][len(updates) // 4 :, 2] - 0.2)) < 0.15
+
+
+@pytest.mark.parametrize("model", ["parametric", "factors"])
+@pytest.mark.parametrize(("delay", "most"), [(0.1, 0.5), (0.2, 0.9), (0.5, 1.5), (1.0, 1.5)])
+def test_poses_that_all_come_late_do_no_harm(delay, most, model):
+    """Less is learned, and at half a second about nothing; errors stay within the bound of `doubt`, as does P."""
+    for seed in range(3):
+        rows = many_turns(seed)
+        updates, learner = learn(delayed(rows, delay), model=model)
+        errors, covariance = mean_errors(updates), learner.learned().covariance
+        assert (errors[0] <= most * errors[1]).all()
+        assert np.linalg.eigvalsh(covariance).min() > -1e-9
+        assert (covariance.diagonal()[:9] <= 4.0 * (0.5 * GAUGE) ** 2 * (1.0 + 1e-9)).all()
+        assert np.abs(updates["icr"]).max() <= 5.0 * GAUGE * (1.0 + 1e-12)
 
 
 @pytest.mark.parametrize("seed", range(4))
