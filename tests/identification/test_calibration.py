@@ -79,6 +79,7 @@ def test_known_ground_is_found(parameters):
 def test_standard_deviations_are_those_of_many_logs():
     results = [calibrate_ground(ASSUMED, measured(turns(1.5), seed=seed)) for seed in range(12)]
     for name, truth in zip(results[0].estimates, GROUND, strict=True):
+        assert not any(result.estimates[name].is_by_misfit for result in results)
         off = np.array([result.estimates[name].value - truth for result in results])
         std = np.median([result.estimates[name].std for result in results])
         assert 0.4 * std < np.sqrt(np.mean(off**2)) < 2.0 * std
@@ -118,6 +119,25 @@ def test_other_peoples_simulation():
     assert result.friction.determined
     assert result.friction.value == pytest.approx(0.4, rel=0.15)
     assert result.shear_modulus.value < 0.003
+    assert result.friction.is_by_misfit
+    assert abs(result.friction.value - 0.4) < 3.0 * result.friction.std
+    assert abs(result.friction.value - 0.4) > 3.0 * result.friction.noise_std
+
+
+@pytest.mark.parametrize("parameters", [GROUND, (0.4, 0.005, 0.03)])
+@pytest.mark.parametrize("changed", [{"length": 0.53}, {"gauge": 0.636}, {"cog_forward": 0.03}])
+def test_an_error_of_the_model_is_owned_to(parameters, changed):
+    """The vehicle is not quite as its profile has it: friction and K are within 3 deviations."""
+    vehicle, stds = ground(*parameters)._replace(**changed), 0.1 * STDS
+    for count in (40, 120):
+        speeds = np.random.default_rng(1).uniform(0.6, 2.0, (count, 2))
+        twists = steady_motions(vehicle, speeds)
+        known = np.isfinite(twists).all(axis=1)
+        noise = stds * np.random.default_rng(2).standard_normal((int(known.sum()), 3))
+        result = calibrate_ground(ASSUMED, SteadyWindows(speeds[known], twists[known] + noise, stds))
+        for truth, estimate in zip(parameters[:2], (result.friction, result.shear_modulus), strict=True):
+            assert estimate.is_by_misfit
+            assert abs(estimate.value - truth) < 3.0 * estimate.std
 
 
 def test_what_is_outside_the_model_is_left_out():

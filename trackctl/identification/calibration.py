@@ -12,6 +12,7 @@ from scipy.optimize import least_squares
 
 from trackctl.identification.steady_motion import steady_motions
 from trackctl.identification.steady_windows import SteadyWindows, within_model
+from trackctl.identification.uncertainty import standard_deviations
 from trackctl.mechanics.parameters import TrackModel
 
 Array = NDArray[np.float64]
@@ -29,8 +30,6 @@ TRIED = ((0.1, 0.2, 0.4, 0.8), (0.001, 0.005, 0.02, 0.08), (0.0, 0.05, 0.15))
 PASSES = 3
 #: Step of the difference quotients, in ln or in the resistance. [-]
 STEP = 1e-3
-#: Information, relative to the most, that counts as none.
-NOTHING = 1e-9
 #: A parameter that is not determined keeps the assumed value unless that costs more than this many half chi-squares.
 MOST_COST = 2.0
 #: Median absolute deviation of a normal distribution over its standard deviation.
@@ -39,11 +38,33 @@ MAD = 0.6745
 
 @dataclass(frozen=True, slots=True)
 class Estimate:
-    """A parameter: value, standard deviation with all others unknown, and whether that determines it."""
+    """A parameter of the ground.
+
+    Attributes
+    ----------
+    value
+    noise_std
+        Standard deviation with all others unknown, by what differs from motion to motion.
+    misfit_std
+        By an error of the model, which no longer log averages out; seen in what motions at like speeds have in common.
+    determined
+        Whether the motions tell it, as far as noise goes.
+    """
 
     value: float
-    std: float
+    noise_std: float
+    misfit_std: float
     determined: bool
+
+    @property
+    def std(self) -> float:
+        """Standard deviation by both."""
+        return math.hypot(self.noise_std, self.misfit_std)
+
+    @property
+    def is_by_misfit(self) -> bool:
+        """Whether the model's misfit is the larger part of the standard deviation."""
+        return self.misfit_std > self.noise_std
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +101,7 @@ class Fit:
 
     def __init__(self, model: TrackModel, windows: SteadyWindows) -> None:
         measured, self._back = within_model(windows, model.length)
-        self._model, self._speeds, self.twists = model, measured.speeds, measured.twists
+        self._model, self.speeds, self.twists = model, measured.speeds, measured.twists
         self.sensor_stds = measured.stds
         self.stds = measured.stds
         self._last: Array | None = None
@@ -92,7 +113,7 @@ class Fit:
         result = np.empty_like(self.twists)
         for way, chosen in ((model, ~self._back), (behind, self._back)):
             starts = None if self._last is None else self._last[chosen]
-            result[chosen] = steady_motions(way, self._speeds[chosen], starts)
+            result[chosen] = steady_motions(way, self.speeds[chosen], starts)
         self._last = result
         return result
 
@@ -128,8 +149,8 @@ def calibrate_ground(model: TrackModel, windows: SteadyWindows) -> Calibration:
     left = fit.motions(found.values) - fit.twists
     known = np.all(np.isfinite(left), axis=1)
     friction, modulus, resistance = (
-        Estimate(float(value), float(std), bool(known))
-        for value, std, known in zip(found.values, joint.std, is_determined(joint), strict=True)
+        Estimate(float(value), float(std), float(misfit), bool(known))
+        for value, std, misfit, known in zip(found.values, joint.std, joint.misfit, is_determined(joint), strict=True)
     )
     stds = np.sqrt(np.mean(left[known] ** 2, axis=0)).tolist() if known.any() else [math.inf] * 3
     unsolved = int(np.count_nonzero(~known))
@@ -138,10 +159,11 @@ def calibrate_ground(model: TrackModel, windows: SteadyWindows) -> Calibration:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Found:
-    """Values and standard deviations of the parameters, and half the chi-square that they leave."""
+    """Values of the parameters, standard deviations by noise and by misfit, and half the chi-square that they leave."""
 
     values: Array
     std: Array
+    misfit: Array
     cost: float
 
 
@@ -178,7 +200,7 @@ def fitted(fit: Fit, start: Array, free: NDArray[np.bool_], passes: int = PASSES
     The noise of each channel is what a fit leaves; all but a single pass adapt it.
     """
     if not free.any():
-        return Found(start, np.zeros(3), math.inf)
+        return Found(start, np.zeros(3), np.zeros(3), math.inf)
     least, values = fit.sensor_stds, start
     lower, upper = sought(LOWER)[free], sought(UPPER)[free]
 
@@ -201,25 +223,10 @@ def fitted(fit: Fit, start: Array, free: NDArray[np.bool_], passes: int = PASSES
         if passes > 1:
             off = np.abs(fit.residuals(values)).reshape(-1, 3) * fit.stds
             fit.stds = np.maximum(least, np.median(off, axis=0) / MAD)
-    std = np.zeros(3)
-    std[free] = standard_deviations(slopes(solution.x), fit.residuals(values))
-    return Found(values, std * np.where(IS_LOGARITHM, values, 1.0), float(solution.cost))
-
-
-def standard_deviations(jacobian: Array, residuals: Array) -> Array:
-    """Of the parameters of a robust fit, shape (n,): the larger of what the noise and what the residuals make likely.
-
-    Huge where nothing depends on a parameter. The second is the sandwich (J'WJ)^-1 J' psi^2 J (J'WJ)^-1 of the loss
-    soft_l1, psi = r / sqrt(1 + r^2): where few motions near the limit of grip tell all, it is much larger.
-    """
-    weight = 1.0 / np.sqrt(1.0 + residuals**2)
-    information = jacobian.T @ (jacobian * weight[:, None])
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-12))
-    size, direction = np.linalg.eigh(information / np.outer(scale, scale))
-    bread = (direction / np.maximum(size, NOTHING)) @ direction.T / np.outer(scale, scale)
-    scores = jacobian * (residuals * weight)[:, None]
-    sandwich = bread @ (scores.T @ scores) @ bread
-    return np.asarray(np.sqrt(np.maximum(np.diag(bread), np.diag(sandwich))))
+    scale = np.where(IS_LOGARITHM, values, 1.0)
+    std, misfit = np.zeros(3), np.zeros(3)
+    std[free], misfit[free] = standard_deviations(slopes(solution.x), fit.residuals(values), fit.speeds)
+    return Found(values, std * scale, misfit * scale, float(solution.cost))
 
 
 def sought(values: Array) -> Array:

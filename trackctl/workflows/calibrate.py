@@ -118,8 +118,9 @@ def calibrated_terrain(request: CalibrateRequest, result: Calibration) -> str:
 def comment(result: Calibration, name: str) -> str:
     """What a value's line says on how it came about."""
     estimate = result.estimates[name]
+    share = f" ({estimate.noise_std:.2g} but for the model's misfit)" if estimate.is_by_misfit else ""
     if estimate.determined:
-        return f"  # fitted, standard deviation {estimate.std:.2g}"
+        return f"  # fitted, standard deviation {estimate.std:.2g}{share}"
     return f"  # not determined by the log (standard deviation {estimate.std:.2g}); it goes with the other values here"
 
 
@@ -133,7 +134,10 @@ def in_words(result: Calibration) -> str:
         if each.determined
     ]
     loose = [words[name] for name, each in result.estimates.items() if not each.determined]
-    return ", ".join(known) + (f"; the log does not determine {' and '.join(loose)}" if loose else "")
+    without = f"; the log does not determine {' and '.join(loose)}" if loose else ""
+    misfit = any(each.is_by_misfit for each in result.estimates.values() if each.determined)
+    why = "; the model's misfit dominates these deviations, a longer log will not reduce them" if misfit else ""
+    return ", ".join(known) + without + why
 
 
 def calibration_summary(result: Calibration) -> dict[str, object]:
@@ -142,7 +146,13 @@ def calibration_summary(result: Calibration) -> dict[str, object]:
         "steady_motions": result.windows,
         "without_equilibrium": result.unsolved,
         "parameters": {
-            TERRAIN_KEYS[name]: {"value": each.value, "std": each.std, "determined": each.determined}
+            TERRAIN_KEYS[name]: {
+                "value": each.value,
+                "std": each.std,
+                "noise_std": each.noise_std,
+                "misfit_std": each.misfit_std,
+                "determined": each.determined,
+            }
             for name, each in result.estimates.items()
         },
         "residual_std": dict(zip(TWIST, result.residual_std, strict=True)),
