@@ -86,6 +86,11 @@ def test_icrs_stay_apart_and_in_reach():
     icrs = icr_positions(p, GAUGE, 1.0, 2.0)
     assert icrs.left - icrs.right == pytest.approx(LEAST_DISTANCE * GAUGE)
     assert icrs.x == FARTHEST * GAUGE
+    for far in (-100.0, 100.0):
+        p[6:8] = far
+        icrs = icr_positions(p, GAUGE, 1.0, 2.0)
+        assert icrs.left - icrs.right == pytest.approx(LEAST_DISTANCE * GAUGE)
+        assert max(icrs.left, -icrs.right) == pytest.approx(FARTHEST * GAUGE)
 
 
 def test_turning_on_the_spot_and_rest_are_bounded():

@@ -64,7 +64,8 @@ def icr_positions(p: Array, gauge: float, left: float, right: float) -> Icrs:
     y_l = min(max(0.5 * gauge + p[0] * a + p[1] * k + p[6], -far), far)
     y_r = min(max(-0.5 * gauge - p[2] * a - p[3] * k + p[7], -far), far)
     if y_l - y_r < LEAST_DISTANCE * gauge:
-        middle, half = 0.5 * (y_l + y_r), 0.5 * LEAST_DISTANCE * gauge
+        half = 0.5 * LEAST_DISTANCE * gauge
+        middle = min(max(0.5 * (y_l + y_r), half - far), far - half)
         y_l, y_r = middle + half, middle - half
     return Icrs(y_l, y_r, min(max(p[4] * a + p[5] * k + p[8], -far), far))
 
