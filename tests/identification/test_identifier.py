@@ -13,11 +13,13 @@ from slip_simulation import (
     reductions,
 )
 
-from trackctl.identification.identifier import FilterSettings, LearnedSlip, LogFilter
+from trackctl.identification.identifier import FilterSettings, LearnedSlip, LogFilter, prior_std
+from trackctl.identification.slip_model import SlipModel
 
 HUSKY = Path(__file__).parent.parent / "data" / "identification" / "husky_chained_fresh.csv"
 HUSKY_GAUGE = 0.55
 NAN = np.nan
+PRIOR = prior_std(FilterSettings(GAUGE))
 
 
 def converged_after(updates, since, truth, within):
@@ -73,7 +75,8 @@ def test_heading_alone_still_helps():
     assert not updates["p"][:, [4, 5, 8]].any()
     assert np.isnan(updates["innovation"][:, :2]).all()
     assert np.isnan(updates["error"][:, 0]).all()
-    assert np.sqrt(learner.learned().covariance.diagonal())[[4, 5, 8]].min() >= 0.5 * GAUGE
+    unknown = [4, 5, 8]
+    assert (np.sqrt(learner.learned().covariance.diagonal())[unknown] >= PRIOR[unknown]).all()
 
 
 def test_a_position_outage_in_the_midst():
@@ -107,7 +110,7 @@ def test_straight_driving_teaches_no_icr():
     nominal = [0.5 * GAUGE, -0.5 * GAUGE, 0.0]
     updates, _ = learn(abrupt_change(0, noise=0.0)[:20])
     assert updates["icr"] == pytest.approx(np.tile(nominal, (len(updates), 1)), abs=1e-9)
-    assert updates["std"][:, :9].min() >= 0.5 * GAUGE * (1.0 - 1e-12)
+    assert (updates["std"][:, :9] >= PRIOR[:9] * (1.0 - 1e-12)).all()
     noisy, _ = learn(abrupt_change(0)[:20])
     assert (np.abs(noisy["icr"] - nominal) < 0.5 * noisy["std"][:, 6:9]).all()
 
@@ -124,7 +127,7 @@ def test_icrs_of_a_turn_are_known_better_than_the_parameters():
     for seed in range(5):
         updates, _ = learn(abrupt_change(seed))
         late = updates[updates["pose"]["time"] > 5.0]
-        assert (late["icr_std"] < 0.5 * late["std"][:, [6, 7, 8]]).all()
+        assert (late["icr_std"] < late["std"][:, 6:9]).all()
         assert (np.abs(late["icr"] - [2.232, -2.232, 0.5]) < 4.0 * late["icr_std"]).mean() > 0.99
 
 
@@ -269,7 +272,9 @@ def test_poses_that_all_come_late_do_no_harm(delay, most, model):
         errors, covariance = mean_errors(updates), learner.learned().covariance
         assert (errors[0] <= most * errors[1]).all()
         assert np.linalg.eigvalsh(covariance).min() > -1e-9
-        assert (covariance.diagonal()[:9] <= 4.0 * (0.5 * GAUGE) ** 2 * (1.0 + 1e-9)).all()
+        assert (
+            np.sqrt(covariance.diagonal()) <= 2.0 * prior_std(FilterSettings(GAUGE, SlipModel(model))) * (1.0 + 1e-9)
+        ).all()
         assert np.abs(updates["icr"]).max() <= 5.0 * GAUGE * (1.0 + 1e-12)
 
 

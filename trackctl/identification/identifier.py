@@ -37,8 +37,11 @@ class Noise:
         Time over which the model's error is averaged. [s]
     drift
         Growth of the parameters' variance, in prior variances a second. [1/s]
+    acceleration, curvature
+        Beside offsets, p1, p3 and p5 may shift an ICR by half the gauge (prior standard deviation) at this lateral
+        acceleration [m/s2], and p2, p4 and p6 at this curvature. [1/m]
     speed_factor
-        Prior standard deviation of the errors of the speeds' scale; that of the others is half the gauge. [-]
+        Prior standard deviation of the errors of the speeds' scale. [-]
     """
 
     position: float = 0.02
@@ -47,6 +50,8 @@ class Noise:
     model: float = 0.02
     memory: float = 20.0
     drift: float = 0.02
+    acceleration: float = 10.0
+    curvature: float = 2.0
     speed_factor: float = 0.1
 
 
@@ -95,6 +100,21 @@ class LearnedSlip:
     heading_error: float
 
 
+def prior_std(settings: FilterSettings) -> Array:
+    """Standard deviations of the parameters before anything is learned, shape (11,); 0 of those that never are.
+
+    Offsets may be half the gauge. Without them, in the paper's model, the other parameters make up for them.
+    """
+    noise, learned = settings.noise, list(settings.model.learned)
+    std = np.full(PARAMETERS, 0.5 * settings.track_gauge)
+    if GEOMETRIC - 1 in learned:
+        std[0:6:2] /= noise.acceleration
+        std[1:6:2] /= noise.curvature
+    std[GEOMETRIC:] = noise.speed_factor
+    std[[i for i in range(PARAMETERS) if i not in learned]] = 0.0
+    return std
+
+
 class LogFilter:
     """A filter fed by blocks of rows, with memory of constant size.
 
@@ -124,10 +144,7 @@ class LogFilter:
         memory["learns"] = known is None
         memory["gates"] = settings.model is not SlipModel.NONE
         estimate = memory["estimate"]
-        std = np.full(PARAMETERS, 0.5 * settings.track_gauge)
-        std[GEOMETRIC:] = noise.speed_factor
-        learned = list(settings.model.learned)
-        estimate["prior"][0, learned] = std[learned] ** 2
+        estimate["prior"] = prior_std(settings) ** 2
         estimate["drift"], estimate["memory"] = noise.drift, noise.memory
         if known is None:
             estimate["P"] = np.diag(estimate["prior"][0])
