@@ -35,6 +35,7 @@ from slip_simulation import (  # noqa: E402  # noqa: E402
 
 IDENTIFY = [sys.executable, "-m", "trackctl", "identify"]
 CARRIER = ["--vehicle", "carrier-13t6"]
+WARTHOG, WARTHOG_GAUGE = REPOSITORY / "tests" / "data" / "identification" / "warthog_chained_fresh.csv", 1.08
 ROWS = 1_000_000
 RATE, POSE_EVERY = 1000, 20
 STREAM_SECONDS = 20
@@ -132,6 +133,14 @@ def print_real(log: Path) -> None:
             )
 
 
+def print_warthog() -> None:
+    """A real log that comes along."""
+    rows = np.loadtxt(WARTHOG, delimiter=",", skiprows=1)
+    for model in MODELS:
+        percent = reductions(mean_errors(learn(rows, WARTHOG_GAUGE, model)[0]))
+        print(f"{WARTHOG.stem:22}{'window':10}{model:12}{percent.round(1)} % less")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--data", type=Path, help="folder with the Husky logs")
@@ -143,6 +152,7 @@ def main() -> None:
     data = options.data
     print(f"gauge of the simulated vehicle {GAUGE} m")
     print_cases()
+    print_warthog()
     with tempfile.TemporaryDirectory() as folder:
         print_speed(Path(folder))
         print_stream(Path(folder))

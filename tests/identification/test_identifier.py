@@ -16,8 +16,9 @@ from slip_simulation import (
 from trackctl.identification.identifier import FilterSettings, LearnedSlip, LogFilter, prior_std
 from trackctl.identification.slip_model import SlipModel
 
-HUSKY = Path(__file__).parent.parent / "data" / "identification" / "husky_chained_fresh.csv"
-HUSKY_GAUGE = 0.55
+DATA = Path(__file__).parent.parent / "data" / "identification"
+HUSKY, HUSKY_GAUGE = DATA / "husky_chained_fresh.csv", 0.55
+WARTHOG, WARTHOG_GAUGE = DATA / "warthog_chained_fresh.csv", 1.08
 NAN = np.nan
 PRIOR = prior_std(FilterSettings(GAUGE))
 
@@ -96,6 +97,15 @@ def test_real_log():
     assert heading >= 85.0
     assert (np.array([position, heading]) >= constant - 2.0).all()
     assert reductions(mean_errors(learn(rows, HUSKY_GAUGE, "factors")[0]))[0] >= position + 2.0
+
+
+def test_a_faster_vehicle():
+    """At four times the Husky's speed, too, what depends on the motion must not spoil what constant ICRs tell."""
+    rows = np.loadtxt(WARTHOG, delimiter=",", skiprows=1)
+    updates, learner = learn(rows, WARTHOG_GAUGE)
+    constant = reductions(mean_errors(learn(rows, WARTHOG_GAUGE, "constant")[0]))
+    assert (reductions(mean_errors(updates)) >= constant - 6.0).all()
+    assert learner.resets == 0
 
 
 def test_without_a_model_nothing_is_learned():
