@@ -6,7 +6,6 @@ Run from the repository: ``python benchmarks/compute_lut.py``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,7 +16,8 @@ from tables import THREADS, benchmark_table, print_machine
 
 from trackctl.files.atomic import whole_file
 from trackctl.lut.cells import Cells
-from trackctl.lut.sweep import Seeding, Sweep, solve_columns
+from trackctl.lut.crew import solve_columns, threads
+from trackctl.lut.sweep import Seeding, Sweep
 from trackctl.lut.table import Status
 from trackctl.workflows.compute_lut import checkpoint, summarise, write_table
 from trackctl.workflows.provenance import Provenance
@@ -54,11 +54,11 @@ class FileTimes:
         return self.checkpoint + self.table
 
 
-def timed_run(sweep: Sweep, columns: Sequence[int], threads: int) -> Run:
+def timed_run(sweep: Sweep, columns: Sequence[int], jobs: int) -> Run:
     """Solve columns on a pool of threads that are already there."""
-    with ThreadPoolExecutor(threads) as pool:
+    with threads(jobs) as crew:
         wall, cpu = perf_counter(), process_time()
-        done = dict(solve_columns(sweep, columns, pool, threads))
+        done = dict(solve_columns(sweep, columns, crew))
         return Run(perf_counter() - wall, process_time() - cpu, done)
 
 
@@ -118,9 +118,9 @@ def main() -> None:
     print(f"{'':28}{'cells':>9}{'wall s':>9}{'cells/s':>12}{'us CPU':>9}")
     columns = timed_run(sweep, everything, THREADS).columns  # compiles
     solving = 0.0
-    for threads in (1, 2):
-        runs = [timed_run(sweep, everything, threads) for _ in range(REPEATS)]
-        solving = print_rate(f"continuation, {threads} thread{'s'[: threads > 1]}", runs)
+    for jobs in (1, 2):
+        runs = [timed_run(sweep, everything, jobs) for _ in range(REPEATS)]
+        solving = print_rate(f"continuation, {jobs} thread{'s'[: jobs > 1]}", runs)
     swarm = replace(sweep, seeding=Seeding.PSO)
     sample = np.random.default_rng(0).choice(sweep.column_count, SWARM_COLUMNS, replace=False).tolist()
     timed_run(swarm, sample[:1], 1)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,8 +20,9 @@ from tables import SolvedTable, benchmark_table, points_of, print_machine, solve
 
 from trackctl.compiled import kernel
 from trackctl.lut.axes import Array
+from trackctl.lut.crew import solve_columns, threads
 from trackctl.lut.point import solve_points
-from trackctl.lut.sweep import Sweep, solve_columns
+from trackctl.lut.sweep import Sweep
 from trackctl.mechanics.equilibrium import balance
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
@@ -149,16 +149,16 @@ def timed(name: str, solve: Solver, points: Array, truth: Array, repeats: int = 
     return Row(name, len(points), len(points) / min(times), share_right(answers, truth))
 
 
-def timed_table(sweep: Sweep, solved: float, threads: int) -> Row:
+def timed_table(sweep: Sweep, solved: float, jobs: int) -> Row:
     """Solve the whole table some times."""
     times = []
-    with ThreadPoolExecutor(threads) as pool:
+    with threads(jobs) as crew:
         for _ in range(REPEATS):
             started = perf_counter()
-            for _done in solve_columns(sweep, range(sweep.column_count), pool, threads):
+            for _done in solve_columns(sweep, range(sweep.column_count), crew):
                 pass
             times.append(perf_counter() - started)
-    name = f"trackctl table, {threads} thread{'s'[: threads > 1]}"
+    name = f"trackctl table, {jobs} thread{'s'[: jobs > 1]}"
     return Row(name, sweep.axes.size, sweep.axes.size / min(times), solved)
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 import platform
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,8 +15,9 @@ from numpy.typing import NDArray
 from trackctl.cli.compute_lut import DEFAULT_BUDGET
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.lut.axes import FULL_CIRCLE, Array
+from trackctl.lut.crew import solve_columns, threads
 from trackctl.lut.grid import Ranges, default_ranges
-from trackctl.lut.sweep import Seeding, Sweep, solve_columns
+from trackctl.lut.sweep import Seeding, Sweep
 from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import STANDARD_GRAVITY
 from trackctl.profiles.terrain import TerrainProfile
@@ -87,8 +87,8 @@ def solve_table(request: TableRequest) -> SolvedTable:
     sweep = request.sweep
     shape = sweep.axes.shape
     table = SolvedTable(request, np.empty((*shape, 3)), np.empty(shape, np.uint8), np.empty(shape))
-    with ThreadPoolExecutor(THREADS) as pool:
-        for column, cells in solve_columns(sweep, range(sweep.column_count), pool, THREADS):
+    with threads(THREADS) as crew:
+        for column, cells in solve_columns(sweep, range(sweep.column_count), crew):
             i, k = sweep.place(column)
             table.unknowns[i, :, k] = cells["unknowns"]
             table.status[i, :, k] = cells["status"]

@@ -41,6 +41,7 @@ HOMES = {
     "h5py": {"files"},
     "csv": {"files"},
     "matplotlib": {"plots"},
+    "distributed": {"workflows"},
 }
 
 

@@ -123,5 +123,9 @@ class MissingLibraryError(TrackctlError):
         super().__init__(f"{purpose} needs {library}, which is not installed; to install it: {command}")
 
 
+class WorkerError(TrackctlError):
+    """Workers on this or other machines cannot do their part."""
+
+
 class NoAnswerError(TrackctlError):
     """The question was well put and has no answer (exit code 1)."""

@@ -1,4 +1,3 @@
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 import numpy as np
@@ -7,7 +6,8 @@ import pytest
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.lut.axes import FULL_CIRCLE, Axes
 from trackctl.lut.cells import pending_cells
-from trackctl.lut.sweep import AHEAD, Seeding, Sweep, column_values, solve, solve_columns
+from trackctl.lut.crew import AHEAD, solve_columns, threads
+from trackctl.lut.sweep import Seeding, Sweep, column_values, solve
 from trackctl.lut.table import VARIABLES, Status
 from trackctl.mechanics.parameters import track_model
 
@@ -24,8 +24,8 @@ SWEEP = Sweep(MODEL, AXES, Seeding.CONTINUATION, 0)
 
 
 def test_columns_come_once_each_with_their_own_cells():
-    with ThreadPoolExecutor(2) as threads:
-        found = dict(solve_columns(SWEEP, range(SWEEP.column_count), threads, 2))
+    with threads(2) as crew:
+        found = dict(solve_columns(SWEEP, range(SWEEP.column_count), crew))
     assert set(found) == set(range(6))
     for column, cells in found.items():
         assert cells.tobytes() == solve(SWEEP, column).tobytes()
@@ -43,7 +43,7 @@ def test_swarms_in_every_cell_find_the_same_roots():
 
 
 def test_few_columns_are_under_way_at_a_time(monkeypatch):
-    monkeypatch.setattr("trackctl.lut.sweep.solve", lambda sweep, column: pending_cells((1, 1)))
+    monkeypatch.setattr("trackctl.lut.crew.solve", lambda sweep, column: pending_cells((1, 1)))
     asked = []
 
     def columns():
@@ -51,8 +51,8 @@ def test_few_columns_are_under_way_at_a_time(monkeypatch):
             asked.append(column)
             yield column
 
-    with ThreadPoolExecutor(1) as threads:
-        found = solve_columns(SWEEP, columns(), threads, 1)
+    with threads(1) as crew:
+        found = solve_columns(SWEEP, columns(), crew)
         next(found)
         assert len(asked) <= AHEAD
         assert len(list(found)) == 99

@@ -9,7 +9,7 @@ from trackctl.errors import InputFileError, NoAnswerError, OutputError, UsageErr
 from trackctl.files.journal import journal_path
 from trackctl.files.lut_reader import read_lut
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
-from trackctl.lut import sweep
+from trackctl.lut import crew
 from trackctl.lut.cells import pending_cells
 from trackctl.lut.grid import default_ranges
 from trackctl.lut.table import Status
@@ -159,7 +159,7 @@ def test_cells_are_packed_in_little_memory(tmp_path, monkeypatch):
         cells["status"] = Status.CONVERGED
         return cells
 
-    monkeypatch.setattr(sweep, "solve", stand_in)
+    monkeypatch.setattr(crew, "solve", stand_in)
     steps = explicit_steps(RANGES, 0.01, 0.1, np.radians(1.0))
     asked = request().divided(steps.divisions)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

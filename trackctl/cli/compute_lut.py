@@ -76,6 +76,14 @@ def compute_lut(
     gravity_mps2: options.Gravity = options.DEFAULT_GRAVITY,
     seed: options.Seed = options.DEFAULT_SEED,
     jobs: options.Jobs = options.DEFAULT_JOBS,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Solve the cells on the workers of this Dask scheduler, [tcp://]HOST:PORT.",
+            show_default="this machine",
+        ),
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Print cells, bytes and a time estimate only.")] = False,
     resume: Annotated[bool, typer.Option("--resume", help="Continue the checkpoint beside the output.")] = False,
     force: Annotated[
@@ -101,6 +109,7 @@ def compute_lut(
 
     from trackctl.files.atomic import check_output
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
+    from trackctl.workflows.cluster import workers_of
     from trackctl.workflows.compute_lut import compute_lut as compile_table
     from trackctl.workflows.compute_lut import refuse_streams
     from trackctl.workflows.provenance import provenance
@@ -117,15 +126,18 @@ def compute_lut(
     if not dry_run:
         refuse_streams(output)
         check_output(output, force)
-    chosen = choose_steps(blank, steps, budget, tolerance, jobs, quiet)
-    request = blank.divided(chosen.divisions)
-    tell_steps(request, chosen, quiet)
-    if dry_run:
-        tell_estimate(request, chosen, jobs, as_json)
-        return
-    wait_for_kernels()
-    with checkpoint_told(output), bar("solving", "column", quiet) as progress:
-        summary = compile_table(request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress)
+    with workers_of(None if dry_run else scheduler, lambda text: say(text, quiet)) as crew:
+        chosen = choose_steps(blank, steps, budget, tolerance, jobs, quiet)
+        request = blank.divided(chosen.divisions)
+        tell_steps(request, chosen, quiet)
+        if dry_run:
+            tell_estimate(request, chosen, jobs, as_json)
+            return
+        wait_for_kernels()
+        with checkpoint_told(output), bar("solving", "column", quiet) as progress:
+            summary = compile_table(
+                request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress, crew=crew
+            )
     tell_summary(summary, output, time.perf_counter() - started, quiet, as_json)
 
 

@@ -1,9 +1,7 @@
-"""Solving a table column by column, on any executor, in any order."""
+"""A table to be solved column by column, in any order."""
 
 from __future__ import annotations
 
-from collections.abc import Generator, Iterable
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -17,9 +15,6 @@ from trackctl.lut.point import solve_batch
 from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.slip import body_speed, slip
-
-#: Columns handed out ahead of those that are done, per worker: keeps memory constant and workers busy.
-AHEAD = 4
 
 
 class Seeding(StrEnum):
@@ -77,28 +72,6 @@ def solve(sweep: Sweep, column: int) -> Cells:
         points = np.stack(columns, axis=-1).reshape(-1, 4)
         solve_batch(solver(sweep.model), points, sweep.seed, column * points.shape[0], False, cells.reshape(-1))
     return cells
-
-
-def solve_columns(
-    sweep: Sweep, columns: Iterable[int], executor: Executor, workers: int
-) -> Generator[tuple[int, Cells]]:
-    """Columns as they get done, with their cells; few are under way at a time, whatever their number."""
-    waiting = iter(columns)
-    running: dict[Future[Cells], int] = {}
-    try:
-        while True:
-            for column in waiting:
-                running[executor.submit(solve, sweep, column)] = column
-                if len(running) >= AHEAD * workers:
-                    break
-            if not running:
-                return
-            done, _ = wait(running, return_when=FIRST_COMPLETED)
-            for future in sorted(done, key=running.__getitem__):
-                yield running.pop(future), future.result()
-    finally:
-        for future in running:
-            future.cancel()
 
 
 def column_values(sweep: Sweep, column: int, cells: Cells, sprocket_radius: float, weight: float) -> dict[str, Array]:

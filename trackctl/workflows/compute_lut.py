@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from concurrent.futures import Executor, ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.errors import NoAnswerError, OutputError, UsageError
+from trackctl.errors import NoAnswerError, OutputError, UsageError, WorkerError
 from trackctl.files.atomic import check_output, is_stream, whole_file
 from trackctl.files.journal import Journal, journal_path
 from trackctl.files.lut_writer import LutWriter
@@ -18,7 +17,8 @@ from trackctl.lut.axes import Array
 from trackctl.lut.cell import TOLERANCE
 from trackctl.lut.cells import CELL, Cells
 from trackctl.lut.certificate import CERTIFIED_SHARE
-from trackctl.lut.sweep import Sweep, column_values, solve_columns
+from trackctl.lut.crew import Crew, solve_columns, threads
+from trackctl.lut.sweep import Sweep, column_values
 from trackctl.mechanics.quadrature import COUNTS
 from trackctl.workflows.provenance import Provenance
 from trackctl.workflows.table_request import TableRequest, digest_of
@@ -55,11 +55,12 @@ def checkpoint(request: TableRequest, output: Path, resume: bool, force: bool) -
 
     Raises
     ------
-    OutputError, InputFileError
+    OutputError, InputFileError, WorkerError
         If it cannot be opened; or from the block, with a word on how to go on.
     """
     description = request.description()
     path, digest = journal_path(output), digest_of(description)
+    kept = f"{path} keeps what is done, --resume continues"
     with (
         Journal.resume(path, digest, description) if resume else Journal.create(path, digest, description, force)
     ) as journal:
@@ -69,18 +70,19 @@ def checkpoint(request: TableRequest, output: Path, resume: bool, force: bool) -
             journal.discard()
             raise
         except OutputError as error:
-            problem = f"{error.problem}; {path} keeps what is done, --resume continues"
-            raise OutputError(error.file, problem) from error
+            raise OutputError(error.file, f"{error.problem}; {kept}") from error
+        except WorkerError as error:
+            raise WorkerError(f"{error}; {kept}") from error
         journal.discard()
 
 
-def solve_into(journal: Journal, sweep: Sweep, executor: Executor, workers: int, progress: Progress) -> None:
+def solve_into(journal: Journal, sweep: Sweep, crew: Crew, progress: Progress) -> None:
     """Solve the columns that the journal lacks."""
     done = journal.blocks()
     total = sweep.column_count
     progress(len(done), total)
     missing = (column for column in range(total) if column not in done)
-    with closing(solve_columns(sweep, missing, executor, workers)) as columns:
+    with closing(solve_columns(sweep, missing, crew)) as columns:
         for count, (column, cells) in enumerate(columns, start=len(done) + 1):
             journal.append(column, cells.tobytes())
             progress(count, total)
@@ -153,7 +155,7 @@ def compute_lut(
     resume: bool,
     force: bool,
     progress: Progress,
-    executor: Executor | None = None,
+    crew: Crew | None = None,
 ) -> TableSummary:
     """Compile a table into a file.
 
@@ -168,20 +170,22 @@ def compute_lut(
     provenance
         To be stated in the file.
     jobs
-        Threads, or columns per worker of the executor to keep under way.
+        Threads of this process.
     resume
         Continue the checkpoint beside the output.
     force
         Replace the output, and unless resumed drop the checkpoint.
     progress
         Told the number of columns done, and of all.
-    executor
-        Where the columns are solved; threads of this process if None.
+    crew
+        Who solves the columns; threads of this process if None.
 
     Raises
     ------
     UsageError, OutputError, InputFileError
         If the table cannot be written; what is done stays in the checkpoint.
+    WorkerError
+        If the crew fails; what is done stays in the checkpoint.
     NoAnswerError
         If no cell is feasible; nothing is left behind.
     """
@@ -189,11 +193,8 @@ def compute_lut(
     refuse_streams(output)
     check_output(output, force)
     with checkpoint(request, output, resume, force) as journal:
-        if executor is None:
-            with ThreadPoolExecutor(jobs) as threads:
-                solve_into(journal, sweep, threads, jobs, progress)
-        else:
-            solve_into(journal, sweep, executor, jobs, progress)
+        with threads(jobs) if crew is None else nullcontext(crew) as workers:
+            solve_into(journal, sweep, workers, progress)
         summary = summarise(journal, request, jobs)
         with whole_file(output, force) as path:
             write_table(path, journal, request, steps, summary, provenance)

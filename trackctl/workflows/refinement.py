@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from trackctl.errors import NoAnswerError
 from trackctl.lut.certificate import certify, random_along
+from trackctl.lut.crew import solve_columns, threads
 from trackctl.lut.grid import cell_count
 from trackctl.lut.interpolation import Interpolant
-from trackctl.lut.sweep import solve_columns
 from trackctl.workflows.table_request import TableRequest
 from trackctl.workflows.table_steps import AXES, ChosenSteps, refined
 from trackctl.workflows.table_summary import certificate_of, count_status, ready_for_lookup
@@ -36,8 +35,8 @@ def solved_table(request: TableRequest, jobs: int) -> Interpolant:
     """
     sweep = request.sweep
     unknowns, status = np.empty((*sweep.axes.shape, 3)), np.empty(sweep.axes.shape, np.uint8)
-    with ThreadPoolExecutor(jobs) as threads:
-        for column, cells in solve_columns(sweep, range(sweep.column_count), threads, jobs):
+    with threads(jobs) as crew:
+        for column, cells in solve_columns(sweep, range(sweep.column_count), crew):
             i, k = sweep.place(column)
             unknowns[i, :, k], status[i, :, k] = cells["unknowns"], cells["status"]
     count_status(status)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,8 +12,9 @@ from numpy.typing import NDArray
 from trackctl.errors import NoAnswerError, UsageError
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.cells import Cells
+from trackctl.lut.crew import solve_columns, threads
 from trackctl.lut.grid import STEEPEST_SLOPE
-from trackctl.lut.sweep import Seeding, Sweep, solve_columns
+from trackctl.lut.sweep import Seeding, Sweep
 from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import track_model
 from trackctl.mechanics.slip import body_speed, no_slip_radius, slip
@@ -171,8 +171,8 @@ def solved_cells(request: SweepRequest, progress: Progress) -> Cells:
     )
     count = columns.column_count
     found: dict[int, Cells] = {}
-    with ThreadPoolExecutor(request.jobs) as pool:
-        for column, cells in solve_columns(columns, range(count), pool, request.jobs):
+    with threads(request.jobs) as crew:
+        for column, cells in solve_columns(columns, range(count), crew):
             found[column] = cells
             progress(len(found), count)
     return np.stack([found[column] for column in range(count)])
