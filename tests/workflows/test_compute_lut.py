@@ -4,48 +4,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from table_runs import RANGES, VEHICLE, StoppedError, compiled, request, stop_after
 
 from trackctl.errors import InputFileError, NoAnswerError, OutputError, UsageError
 from trackctl.files.journal import journal_path
 from trackctl.files.lut_reader import read_lut
-from trackctl.files.profile_yaml import load_terrain, load_vehicle
+from trackctl.files.profile_yaml import load_terrain
 from trackctl.lut import crew
 from trackctl.lut.cells import pending_cells
-from trackctl.lut.grid import default_ranges
 from trackctl.lut.table import Status
-from trackctl.workflows.compute_lut import checkpoint, compute_lut
-from trackctl.workflows.provenance import Provenance
-from trackctl.workflows.table_request import new_request
+from trackctl.workflows.compute_lut import checkpoint
 from trackctl.workflows.table_steps import explicit_steps
 
-VEHICLE = load_vehicle("utv-61cm")
 SLIPPERY = replace(load_terrain("asphalt"), friction_coefficient=0.05)
-RANGES = replace(default_ranges(VEHICLE), velocity=(0.5, 1.5), radius=(1.0, 6.0))
-STEPS = explicit_steps(RANGES, 0.5, 1.0, np.radians(30.0))
-
-
-def request(terrain="asphalt", slope_deg=12.0, vehicle=VEHICLE):
-    asked = new_request(vehicle, load_terrain(terrain), 9.81, np.radians([slope_deg]), RANGES, "continuation", 0)
-    return asked.divided(STEPS.divisions)
-
-
-def compiled(output, asked=None, jobs=1, resume=False, force=False, progress=lambda done, total: None):
-    made = Provenance("then", "so")
-    return compute_lut(
-        asked or request(), STEPS, output, made, jobs=jobs, resume=resume, force=force, progress=progress
-    )
-
-
-class StoppedError(Exception):
-    pass
-
-
-def stop_after(columns):
-    def progress(done, total):
-        if done >= columns:
-            raise StoppedError
-
-    return progress
 
 
 @pytest.fixture

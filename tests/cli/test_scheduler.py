@@ -1,0 +1,63 @@
+"""`compute-lut --scheduler` as a user runs it."""
+
+import signal
+import subprocess
+import sys
+import time
+
+from dask_cluster import PATIENCE, Cluster
+from typer.testing import CliRunner
+
+from trackctl.cli.app import app
+
+TABLE = (
+    "--steps",
+    "velocity=.1,radius=1,heading=10",
+    "--velocity-mps",
+    "1:2",
+    "--radius-m",
+    "1:20",
+    "--seeding",
+    "pso",
+)
+
+
+def start(folder, *words):
+    command = [sys.executable, "-m", "trackctl", "compute-lut", *TABLE, "-o", str(folder / "lut.h5"), *words]
+    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
+
+
+def heed_interrupts():
+    """Though these tests may run in the background, where nothing is interrupted."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def test_ctrl_c_on_a_cluster_keeps_what_is_done(tmp_path):
+    checkpoint = tmp_path / "lut.h5.partial"
+    with Cluster(tmp_path) as machines:
+        machines.staff("one")
+        run = start(tmp_path, "--scheduler", machines.address)
+        while not (checkpoint.exists() and checkpoint.stat().st_size > 20_000):
+            assert run.poll() is None
+            time.sleep(0.01)
+        run.send_signal(signal.SIGINT)
+        _, told = run.communicate(timeout=PATIENCE)
+    assert run.returncode == 130
+    assert "lut.h5.partial keeps what is done, --resume continues" in told
+    assert "Traceback" not in told
+    assert not (tmp_path / "lut.h5").exists()
+
+
+def test_a_wrong_address_exits_2_before_any_work(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(app, ["compute-lut", *TABLE, "--scheduler", "nonsense"])
+    assert result.exit_code == 2
+    assert result.stderr.count("Error: --scheduler: 'nonsense'") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_library_exits_2(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    result = CliRunner().invoke(app, ["compute-lut", *TABLE, "--scheduler", "127.0.0.1:1"])
+    assert result.exit_code == 2
+    assert "trackctl[cluster]" in result.stderr
