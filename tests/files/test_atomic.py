@@ -1,3 +1,4 @@
+import errno
 import os
 import stat
 import subprocess
@@ -201,3 +202,34 @@ def test_files_that_belong_together_are_no_pipes(tmp_path):
     with pytest.raises(OutputError, match=r"pair\.c: is a device or a pipe"):
         write_pair(tmp_path)
     assert os.listdir(tmp_path) == ["pair.c"]
+
+
+def test_only_one_of_many_writers_takes_a_free_name(tmp_path):
+    """All of them find the name free; only the first to end may have it."""
+    output, ready, refused = tmp_path / "out.csv", threading.Barrier(4), []
+
+    def take(text):
+        try:
+            with whole_file(output, force=False) as temporary:
+                temporary.write_text(text)
+                ready.wait()
+        except OutputError:
+            refused.append(text)
+
+    writers = [threading.Thread(target=take, args=(letter,)) for letter in "abcd"]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert sorted([*refused, output.read_text()]) == list("abcd")
+    assert os.listdir(tmp_path) == ["out.csv"]
+
+
+def test_where_files_have_one_name_only_the_output_still_appears(tmp_path, monkeypatch):
+    def refuse(source, target):
+        raise PermissionError(errno.EPERM, "Operation not permitted")
+
+    monkeypatch.setattr(os, "link", refuse)
+    write(tmp_path / "out.csv")
+    assert (tmp_path / "out.csv").read_text() == NEW
+    assert os.listdir(tmp_path) == ["out.csv"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import secrets
 from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from trackctl.errors import OutputError
@@ -67,9 +67,26 @@ def whole_file(path: Path, force: bool) -> Iterator[Path]:
             yield temporary
             flush_to_disk(temporary)
             refuse_occupied(path, force)
-            os.replace(temporary, os.path.realpath(path))
+            put_in_place(temporary, path, force)
         finally:
             temporary.unlink(missing_ok=True)
+
+
+def put_in_place(temporary: Path, path: Path, force: bool) -> None:
+    """Give a whole file its name; without `force` only if no other run took the name at the last moment.
+
+    Raises
+    ------
+    OutputError
+        If one did.
+    """
+    target = os.path.realpath(path)
+    if not force:
+        with suppress(OSError):  # some file systems know no second names; then the moment is left open
+            os.link(temporary, target)
+            return
+        refuse_occupied(path, force)
+    os.replace(temporary, target)
 
 
 @contextmanager
