@@ -204,23 +204,30 @@ def test_files_that_belong_together_are_no_pipes(tmp_path):
     assert os.listdir(tmp_path) == ["pair.c"]
 
 
-def test_only_one_of_many_writers_takes_a_free_name(tmp_path):
-    """All of them find the name free; only the first to end may have it."""
-    output, ready, refused = tmp_path / "out.csv", threading.Barrier(4), []
+def test_only_one_of_many_writers_takes_a_free_name(tmp_path, monkeypatch):
+    """All of them find the name free twice, before and after their work; only one may have it."""
+    output, ready, calls, refused = tmp_path / "out.csv", threading.Barrier(4), threading.local(), []
+    refuse = atomic.refuse_occupied
+
+    def refuse_together(path, force):
+        refuse(path, force)
+        calls.count = getattr(calls, "count", 0) + 1
+        if calls.count <= 2:
+            ready.wait(timeout=10.0)
 
     def take(text):
         try:
-            with whole_file(output, force=False) as temporary:
-                temporary.write_text(text)
-                ready.wait()
+            write(output, text)
         except OutputError:
             refused.append(text)
 
+    monkeypatch.setattr(atomic, "refuse_occupied", refuse_together)
     writers = [threading.Thread(target=take, args=(letter,)) for letter in "abcd"]
     for writer in writers:
         writer.start()
     for writer in writers:
         writer.join()
+    assert len(refused) == 3
     assert sorted([*refused, output.read_text()]) == list("abcd")
     assert os.listdir(tmp_path) == ["out.csv"]
 

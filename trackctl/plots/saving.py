@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -15,6 +16,11 @@ TIMELESS: dict[str, dict[str, None]] = {
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure in the format of the path's suffix, one of `TIMELESS`, within the style that it was drawn in."""
+    """Write a figure in the format of the path's suffix, one of `TIMELESS`, within the style that it was drawn in.
+
+    It is drawn in memory first: on a full disk matplotlib leaves files open.
+    """
     suffix = path.suffix.lower()
-    figure.savefig(path, format=suffix[1:], metadata=TIMELESS[suffix])
+    drawn = BytesIO()
+    figure.savefig(drawn, format=suffix[1:], metadata=TIMELESS[suffix])
+    path.write_bytes(drawn.getbuffer())

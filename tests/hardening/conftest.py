@@ -1,0 +1,30 @@
+"""Small real inputs for every command."""
+
+import pytest
+from typer.testing import CliRunner
+from writing_commands import LOG, SMALL_TABLE
+
+from trackctl.cli.app import app
+
+POINTS = "velocity_mps,radius_m,heading_deg\n1,5,90\n1,-5,90\n0.7,inf,0\n"
+
+
+@pytest.fixture(scope="session")
+def run():
+    return lambda words: CliRunner().invoke(app, list(words))
+
+
+@pytest.fixture(scope="session")
+def inputs(run, tmp_path_factory):
+    """Paths by name, as the words of `COMMANDS` want them."""
+    folder = tmp_path_factory.mktemp("inputs")
+    paths = {"log": LOG, **{name: folder / name for name in ("lut.h5", "points.csv", "slip.yaml", "sweep.csv")}}
+    paths["points.csv"].write_text(POINTS)
+    for words in (
+        ["compute-lut", *SMALL_TABLE.split(), "--jobs", "1", "-o", paths["lut.h5"]],
+        ["identify", LOG, "--vehicle", "husky", "--save", paths["slip.yaml"]],
+        ["sweep", "--slope-deg", "3,5", "--heading-deg", "0:360:30", "-o", paths["sweep.csv"]],
+    ):
+        result = run(map(str, words))
+        assert result.exit_code == 0, result.stderr
+    return {name.partition(".")[0]: str(path) for name, path in paths.items()}
