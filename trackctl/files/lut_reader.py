@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from trackctl.errors import LutFormatError, ProfileError
 from trackctl.files import lut_format as layout
 from trackctl.files import netcdf
+from trackctl.files.heap_check import has_endless_heap
 from trackctl.files.profile_yaml import parse_terrain, parse_vehicle
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.table import VARIABLES, Status, Table
@@ -113,6 +114,8 @@ def check_is_hdf5(path: Path) -> None:
         raise LutFormatError(path, "is empty; `trackctl compute-lut` writes a table")
     if not is_hdf5(path):
         raise LutFormatError(path, "is no HDF5 file; `trackctl compute-lut` writes a table")
+    if has_endless_heap(path):
+        raise LutFormatError(path, "is damaged: a heap of texts has no end")
 
 
 def is_hdf5(path: Path) -> bool:
