@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-PATIENCE = 60.0
+PATIENCE = 200.0
 
 
 class Cluster:
