@@ -3,6 +3,7 @@ import math
 import subprocess
 import sys
 import tomllib
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import fields
 from importlib import import_module
 from pathlib import Path
@@ -282,3 +283,13 @@ def test_identify_tells_its_updates(folder):
     told = []
     result = trackctl.identify(folder / "log.csv", VEHICLE, horizon=1.0, on_updates=told.append)
     assert sum(columns["time_s"].size for columns in told) == result.updates
+
+
+def test_a_table_compiled_by_an_executor_is_the_same(tmp_path, monkeypatch):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "0")
+    steps = {"velocity": 0.5, "radius": 5.0, "heading": math.radians(90.0)}
+    asked = {"slope": SLOPE, "velocity": (0.5, 1.0), "radius": (5.0, 10.0), "steps": steps}
+    trackctl.compile_table(VEHICLE, TERRAIN, tmp_path / "here.h5", **asked)
+    with ThreadPoolExecutor(1) as pool:
+        trackctl.compile_table(VEHICLE, TERRAIN, tmp_path / "there.h5", **asked, executor=pool, workers=2)
+    assert (tmp_path / "here.h5").read_bytes() == (tmp_path / "there.h5").read_bytes()

@@ -20,9 +20,12 @@ class Writing:
         return [*filled.split(), self.option, str(output)]
 
 
+#: C has two files, tried in `test_atomic`.
 COMMANDS = {
     "compute-lut": Writing(f"compute-lut {SMALL_TABLE} --jobs 1", ".h5"),
     "lookup": Writing("lookup {lut} {points}"),
+    "export mat": Writing("export {lut}", ".mat"),
+    "export npz": Writing("export {lut}", ".npz"),
     "sensitivity": Writing("sensitivity --samples 256 --jobs 1"),
     "sweep": Writing("sweep --slope-deg 3,5 --heading-deg 0:360:30 --jobs 1"),
     "simulate": Writing("simulate --track-speeds-mps 0.2,0.5 --duration-s 1"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, fields
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from trackctl.api.arguments import check, check_all, operating_points, unheard
 from trackctl.errors import UsageError
 from trackctl.files.atomic import check_output
 from trackctl.files.lut_reader import read_lut
+from trackctl.lut.crew import Crew
 from trackctl.lut.grid import STEEPEST_SLOPE
 from trackctl.lut.interpolation import Interpolant, LookupResult, LookupStatus, interpolant, look_up
 from trackctl.lut.shape_functions import Method
@@ -235,6 +237,8 @@ def compile_table(
     seeding: Seeding = Seeding.CONTINUATION,
     seed: int = 0,
     jobs: int = 1,
+    executor: Executor | None = None,
+    workers: int = 1,
     resume: bool = False,
     force: bool = False,
     progress: Progress = unheard,
@@ -264,6 +268,9 @@ def compile_table(
         Of the solver.
     jobs
         Threads.
+    executor, workers
+        Where the columns are solved instead: any executor, that of processes, MPI or Dask for one, and how many
+        columns it solves at a time.
     resume, force
         Continue the checkpoint beside the output; replace an existing output.
     progress
@@ -277,6 +284,8 @@ def compile_table(
         If a range, step or budget is not allowed.
     OutputError, InputFileError
         If the file or its checkpoint cannot be written or read.
+    WorkerError
+        If the executor fails; what is done stays in the checkpoint.
     NoAnswerError
         If no cell is feasible.
 
@@ -314,6 +323,7 @@ def compile_table(
         resume=resume,
         force=force,
         progress=progress,
+        crew=None if executor is None else Crew(executor, lambda: workers),
     )
     return open_table(output)
 
