@@ -8,9 +8,11 @@ from scipy.optimize import brentq
 from simulation.driving import ASPHALT, SMALL, drive, drive_along, slope_scene, velocity
 
 from trackctl.lut.point import solve_points
+from trackctl.simulation.collocation_step import accept
 from trackctl.simulation.contact_memory import push
-from trackctl.simulation.integrator import Speeds, accept, try_step
 from trackctl.simulation.motion import End, State, sample, turn_time
+from trackctl.simulation.newton import try_step
+from trackctl.simulation.run_state import Speeds
 
 MU, K, L = ASPHALT.friction_coefficient, ASPHALT.shear_deformation_modulus, SMALL.contact_length
 FREE = replace(ASPHALT, friction_coefficient=1e-12, motion_resistance_coefficient=0.0)

@@ -8,17 +8,13 @@ parametrised by the time theta in [0, 1] of its step, xi is quadratic and the po
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 
-Array = NDArray[np.float64]
-
-#: Length of a stretch of memory that is integrated in one, over its shortest piece.
+#: Length of a stretch of memory that is integrated in one, over the least span of its pieces.
 PIECES_TOGETHER = 8.0
 #: Shoes laid down in a step: labels from `lower` to `upper`; xi = label + rate theta + change theta^2; coefficients in
 #: theta, lowest first, of the world point of the contact's end and of the body's forward direction.
@@ -28,6 +24,7 @@ ENTRY = np.dtype(
         ("upper", np.float64),
         ("rough_below", np.bool_),  # whether the neighbour there tells nothing of this piece
         ("rough_above", np.bool_),
+        ("span", np.float64),  # labels that a step would have laid down that only its error limits
         ("label", np.float64),
         ("rate", np.float64),
         ("change", np.float64),
@@ -76,6 +73,12 @@ def newest(memory: Memory, side: float) -> int:
 
 
 @kernel
+def oldest(memory: Memory, side: float) -> int:
+    """Index of the piece farthest from the front (side 1) or rear (-1)."""
+    return 0 if side > 0.0 else int(memory.count - 1)
+
+
+@kernel
 def forget(memory: Memory, entries: Entries, half_length: float) -> None:
     """Drop what has left the contact at either end."""
     rear, front = memory.travel - half_length, memory.travel + half_length
@@ -93,17 +96,17 @@ def forget(memory: Memory, entries: Entries, half_length: float) -> None:
 def panel(memory: Memory, entries: Entries, index: int, side: float) -> float:
     """Label up to which pieces from `index` on, away from the end at `side`, are integrated in one.
 
-    Steps shorten where the motion changes quickly: pieces go together while they are of like length.
+    Steps shorten where the motion changes quickly: pieces go together while their steps are of like length.
     """
     step = -1 if side > 0.0 else 1
     piece = entries[slot(memory, entries, index)]
-    smallest = span = piece.upper - piece.lower
+    smallest, length = piece.span, piece.upper - piece.lower
     while 0 <= index + step < memory.count:
         following = entries[slot(memory, entries, index + step)]
         rough = piece.rough_below or following.rough_above if side > 0.0 else piece.rough_above or following.rough_below
-        smallest = min(smallest, following.upper - following.lower)
-        span += following.upper - following.lower
-        if rough or span > PIECES_TOGETHER * smallest:
+        smallest = min(smallest, following.span)
+        length += following.upper - following.lower
+        if rough or length > PIECES_TOGETHER * smallest:
             break
         index += step
         piece = following
@@ -120,20 +123,3 @@ def find(memory: Memory, entries: Entries, label: float, index: int, side: float
         while index < memory.count - 1 and label > entries[slot(memory, entries, index)].upper:
             index += 1
     return index
-
-
-@kernel
-def entry_time(entry: Entries, label: float) -> float:
-    """Theta at which a shoe was laid down."""
-    gone = label - entry.label
-    square = entry.rate * entry.rate + 4.0 * entry.change * gone
-    root = math.copysign(math.sqrt(max(square, 0.0)), entry.rate)
-    total = entry.rate + root
-    return 0.0 if total == 0.0 else 2.0 * gone / total
-
-
-@kernel
-def cubic(coefficients: Array, theta: float) -> float:
-    """Value of a cubic."""
-    c = coefficients
-    return float(c[0] + theta * (c[1] + theta * (c[2] + theta * c[3])))

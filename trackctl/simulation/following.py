@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import KDTree
 
-from trackctl.simulation.integrator import Settings
 from trackctl.simulation.motion import End, Integration, State, integration
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import PathCommands
-from trackctl.simulation.track_speeds import TrackSpeeds, speed_pieces
+from trackctl.simulation.run_state import Settings
+from trackctl.simulation.track_speeds import TrackSpeeds, ramp, speed_pieces
 from trackctl.simulation.vehicle_rates import Scene
 
 Array = NDArray[np.float64]
@@ -111,8 +111,7 @@ def follow(
     for i in range(time.size - 1):
         added = corrections(feedback, references[i], simulation.pose, scene.model.length, scene.model.gauge)
         after = forward[i + 1] + added
-        ramp = np.stack((now, after))
-        status = simulation.advance(speed_pieces(TrackSpeeds(time[i : i + 2], ramp[:, 0], ramp[:, 1])), settings)
+        status = simulation.advance(ramp(time[i], time[i + 1], now, after), settings)
         if status != End.DONE:
             return simulation, status
         now = after

@@ -5,33 +5,33 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from trackctl.compiled import kernel
+import numpy as np
+from numba import carray, types  # type: ignore[attr-defined]
+from numpy.typing import NDArray
+
+from trackctl.compiled import kernel, linked
 from trackctl.mechanics.contact import Contact, contact
-from trackctl.mechanics.elementary_functions import LARGEST_HALF_ANGLE, cosine, decay, sinc
+from trackctl.mechanics.elementary_functions import decay
 from trackctl.mechanics.equilibrium import split
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.shear import TrackMotion
-from trackctl.simulation.contact_memory import Entries, Memory, cubic, entry_time, find, newest, panel, slot
+from trackctl.simulation.contact_memory import ENTRY, MEMORY, Entries, Memory, find, newest, panel
 from trackctl.simulation.graded_quadrature import GradedRule
+from trackctl.simulation.shoe_displacement import Frame, Track, displacements
+
+Array = NDArray[np.float64]
+DOUBLES = types.CPointer(types.float64)
+#: Fields of model, motion and frame, load and pressure centre.
+NUMBERS = len(TrackModel._fields) + len(TrackMotion._fields) + len(Frame._fields) + 2
 
 #: Sliding below this has not settled its direction, so that a vehicle can come to rest. [m/s]
 SLIDING_FLOOR = 1e-5
-#: What is too short to be a stretch of its own, and the step of difference quotients, over the contact's length.
-REACH = 1e-9
+#: What is too short to be a stretch of its own or too shallow to be a return, and the step of difference quotients,
+#: over the contact's length.
+REACH, SHALLOW = 1e-9, 1e-7
 DIFFERENCE = 1e-6
 #: Gauss-Newton steps towards a shoe that has come back over its point of entry.
 RETURN_STEPS = 4
-#: A track slower than this counts as so fast in the time that its shoes have been on the ground. [m/s]
-SLOWEST_TRACK = 1e-6
-
-
-class Frame(NamedTuple):
-    """Where the contact centre of a track is in the world [m], and the body's forward direction. [-]"""
-
-    x: float
-    y: float
-    forward_x: float
-    forward_y: float
 
 
 class Force(NamedTuple):
@@ -51,107 +51,116 @@ def mirrored(motion: TrackMotion, ground: Contact) -> tuple[TrackMotion, Contact
     )
 
 
-class Track(NamedTuple):
-    """A track at an instant, its front being the end where shoes enter.
-
-    Attributes
-    ----------
-    motion
-        With speeds in m/s and the yaw rate, in rad/s, as curvature; the track's speed is positive.
-    ground
-        Where it touches the ground, and the strength of the ground.
-    side
-        1 if the front is the vehicle's, -1 if it is the vehicle's rear.
-    unloaded
-        How far the ground begins behind the end of the track. [m]
-    frame
-        Where it is in the world.
-    """
-
-    motion: TrackMotion
-    ground: Contact
-    side: float
-    unloaded: float
-    frame: Frame
+@kernel
+def spread(places: Array, rule: GradedRule, front: float, rear: float) -> None:
+    """The nodes of a stretch. [m]"""
+    for k in range(places.size):
+        places[k] = front - (front - rear) * rule.nodes[k]
 
 
 @kernel
-def present_displacement(track: Track, x: float) -> tuple[float, float]:
-    """Shear displacement [m] of the shoe at x if the present motion has lasted since its entry.
-
-    In axes that have turned by half as much as the shoe. See `trackctl.mechanics.shear.shear_force`.
-    """
-    motion, ground = track.motion, track.ground
-    travel, sy = ground.front - x, motion.lateral_speed + motion.curvature * x
-    tau = travel / motion.speed
-    most_turn = LARGEST_HALF_ANGLE * motion.speed / (ground.front - ground.rear)
-    turn = min(max(0.5 * motion.curvature, -most_turn), most_turn)
-    z = turn * turn * tau * tau
-    chord, half_cos = tau * sinc(z), cosine(z)
-    half_sin = turn * chord
-    wx_half = motion.body_speed * half_cos - sy * half_sin
-    wy_half = motion.body_speed * half_sin + sy * half_cos
-    return chord * wx_half - travel, chord * wy_half
-
-
-@kernel
-def displacement(
-    track: Track, remember: bool, memory: Memory, entries: Entries, piece: int, x: float
-) -> tuple[float, float, int]:
-    """Shear displacement of the shoe at x [m], and its piece of memory, looked for from `piece` on."""
-    if not remember:
-        j_x, j_y = present_displacement(track, x)
-        return j_x, j_y, piece
-    side, frame = track.side, track.frame
-    label = memory.travel + side * (x + track.unloaded)
-    piece = find(memory, entries, label, piece, side)
-    entry = entries[slot(memory, entries, piece)]
-    theta = entry_time(entry, label)
-    j_x = frame.x + side * x * frame.forward_x - cubic(entry.x, theta)
-    j_y = frame.y + side * x * frame.forward_y - cubic(entry.y, theta)
-    if track.unloaded > 0.0:
-        j_x += side * track.unloaded * cubic(entry.forward_x, theta)
-        j_y += side * track.unloaded * cubic(entry.forward_y, theta)
-    return j_x, j_y, piece
+def deepest_return(j_x: Array, j_y: Array, shallow: float) -> int:
+    """Node next to which a shoe has come back over its point of entry: the deepest dip of |j|^2, 0 if there is none."""
+    depth, place = shallow, 0
+    newer, square = j_x[0] * j_x[0] + j_y[0] * j_y[0], j_x[1] * j_x[1] + j_y[1] * j_y[1]
+    for k in range(2, j_x.size):
+        older = j_x[k] * j_x[k] + j_y[k] * j_y[k]
+        if min(newer, older) - square > depth:
+            depth, place = min(newer, older) - square, k - 1
+        newer, square = square, older
+    return place
 
 
 @kernel
 def return_place(
-    track: Track,
-    rule: GradedRule,
-    remember: bool,
-    memory: Memory,
-    entries: Entries,
-    piece: int,
-    front: float,
-    rear: float,
+    track: Track, remember: bool, memory: Memory, entries: Entries, piece: int, work: Array, place: int
 ) -> float:
-    """Where a shoe between `front` and `rear` has come back next to its point of entry, or else `rear`. [m]
-
-    Displacement is least there; where it vanishes, stress has a kink. Of several places, the deepest.
-    """
-    length = front - rear
-    before = least = math.inf
-    depth, place, walking = 0.0, 0, piece
-    for k in range(rule.samples.size):
-        j_x, j_y, walking = displacement(track, remember, memory, entries, walking, front - length * rule.samples[k])
-        square = j_x * j_x + j_y * j_y
-        if k > 1 and min(before, square) - least > depth:
-            depth, place = min(before, square) - least, k - 1
-        before, least = least, square
-    if place == 0:
-        return rear
-    newest_x, oldest_x = front - length * rule.samples[place - 1], front - length * rule.samples[place + 1]
-    x, step = front - length * rule.samples[place], DIFFERENCE * length
+    """Where between the neighbours of a node displacement is least: where it vanishes, stress has a kink. [m]"""
+    newest_x, x, oldest_x = work[0, place - 1], work[0, place], work[0, place + 1]
+    step = DIFFERENCE * (track.ground.front - track.ground.rear)
+    pair = work[:, :2]
     for _ in range(RETURN_STEPS):
-        a_x, a_y, _ = displacement(track, remember, memory, entries, piece, x + 0.5 * step)
-        b_x, b_y, _ = displacement(track, remember, memory, entries, piece, x - 0.5 * step)
-        d_x, d_y = (a_x - b_x) / step, (a_y - b_y) / step
+        pair[0, 0], pair[0, 1] = x + 0.5 * step, x - 0.5 * step
+        displacements(track, remember, memory, entries, piece, pair[0], pair[1], pair[2])
+        d_x, d_y = (pair[1, 0] - pair[1, 1]) / step, (pair[2, 0] - pair[2, 1]) / step
         steepness = d_x * d_x + d_y * d_y
         if steepness > 0.0:
-            x -= 0.5 * ((a_x + b_x) * d_x + (a_y + b_y) * d_y) / steepness
+            x -= 0.5 * ((pair[1, 0] + pair[1, 1]) * d_x + (pair[2, 0] + pair[2, 1]) * d_y) / steepness
             x = min(max(x, oldest_x), newest_x)
     return float(x)
+
+
+@kernel
+def stress_sums(track: Track, shear_modulus: float, rule: GradedRule, work: Array) -> tuple[float, float, float]:
+    """Integrals of stress over sliding speed, alone, times s_y, and times s_y x, over the stretch's length."""
+    motion, ground = track.motion, track.ground
+    sx = motion.body_speed - motion.speed
+    sx_square = sx * sx + SLIDING_FLOOR * SLIDING_FLOOR
+    K_inverse = 1.0 / shear_modulus
+    places, j_x, j_y, weights = work[0], work[1], work[2], rule.weights
+    Q_0 = Q_y = Q_xy = 0.0
+    for k in range(places.size):
+        x = places[k]
+        sy = motion.lateral_speed + motion.curvature * x
+        strength = ground.strength + ground.strength_gradient * x
+        mobilised = 1.0 - decay(math.sqrt(j_x[k] * j_x[k] + j_y[k] * j_y[k]) * K_inverse)
+        Q = weights[k] * strength * mobilised / math.sqrt(sx_square + sy * sy)
+        Q_0 += Q
+        Q_y += Q * sy
+        Q_xy += Q * sy * x
+    return Q_0, Q_y, Q_xy
+
+
+@kernel
+def stretch_end(
+    track: Track, remember: bool, memory: Memory, entries: Entries, piece: int, front: float, middle: float
+) -> float:
+    """Where a stretch from `front` on ends: with the contact, where lateral sliding vanishes, or at a rough place."""
+    rear = track.ground.rear
+    if rear < middle < front:
+        rear = middle
+    if remember:
+        end = track.side * (panel(memory, entries, piece, track.side) - memory.travel) - track.unloaded
+        if rear < end < front:
+            rear = end
+    return float(rear)
+
+
+@kernel
+def shear(
+    track: Track, shear_modulus: float, rule: GradedRule, remember: bool, memory: Memory, entries: Entries
+) -> Force:
+    """Shear force of the ground, in the track's own directions.
+
+    The contact is integrated in stretches, which end where lateral sliding vanishes and the sliding direction turns,
+    where shoes have come back over their points of entry, and where the memory is rough.
+    """
+    motion, ground, side = track.motion, track.ground, track.side
+    contact_length = ground.front - ground.rear
+    middle, _ = split(motion, ground)
+    work = np.empty((3, rule.nodes.size))
+    piece = newest(memory, side)
+    Q_0 = Q_y = Q_xy = 0.0
+    front, halved = ground.front, False
+    while front > ground.rear:
+        if remember:
+            label = memory.travel + side * (front + track.unloaded - REACH * contact_length)
+            piece = find(memory, entries, label, piece, side)
+        rear = stretch_end(track, remember, memory, entries, piece, front, middle)
+        spread(work[0], rule, front, rear)
+        displacements(track, remember, memory, entries, piece, work[0], work[1], work[2])
+        place = 0 if halved else deepest_return(work[1], work[2], (SHALLOW * contact_length) ** 2)
+        halved = place > 0
+        if halved:
+            rear = return_place(track, remember, memory, entries, piece, work, place)
+            spread(work[0], rule, front, rear)
+            displacements(track, remember, memory, entries, piece, work[0], work[1], work[2])
+        sum_0, sum_y, sum_xy = stress_sums(track, shear_modulus, rule, work)
+        Q_0 += (front - rear) * sum_0
+        Q_y += (front - rear) * sum_y
+        Q_xy += (front - rear) * sum_xy
+        front = rear
+    return Force((motion.speed - motion.body_speed) * Q_0, -Q_y, -Q_xy)
 
 
 @kernel
@@ -167,9 +176,6 @@ def track_force(
     entries: Entries,
 ) -> Force:
     """Shear force and motion resistance of one track.
-
-    The contact is integrated in stretches, which end where lateral sliding vanishes and the sliding direction turns,
-    where shoes have come back over their points of entry, and where the memory is rough.
 
     Parameters
     ----------
@@ -187,45 +193,54 @@ def track_force(
         Where the track is, and what it remembers.
     """
     side = -1.0 if motion.speed < 0.0 else 1.0
+    rolling = model.resistance * max(load, 0.0) if motion.speed != 0.0 else 0.0
     ground = contact(model, max(load, 0.0), 0.0, pressure_centre, 0.0)
     unloaded = 0.5 * model.length - (ground.front if side > 0.0 else -ground.rear)
     if side < 0.0:
         motion, ground = mirrored(motion, ground)
-    moving = TrackMotion(
-        max(motion.speed, SLOWEST_TRACK), motion.body_speed, 0.0, motion.lateral_speed, 0.0, motion.curvature
+    track = Track(motion, ground, side, unloaded, frame)
+    force = shear(track, model.shear_modulus, rule, remember, memory, entries)
+    return Force(side * (force.forward - rolling), force.left, side * force.moment)
+
+
+@kernel
+def pack(
+    numbers: Array, model: TrackModel, load: float, pressure_centre: float, motion: TrackMotion, frame: Frame
+) -> None:
+    """Write down what `linked_track_force` needs to know."""
+    numbers[0], numbers[1] = load, pressure_centre
+    for i, value in enumerate(model):
+        numbers[2 + i] = value
+    for i, value in enumerate(motion):
+        numbers[12 + i] = value
+    for i, value in enumerate(frame):
+        numbers[18 + i] = value
+
+
+@linked(
+    types.void(
+        DOUBLES,
+        DOUBLES,
+        DOUBLES,
+        types.int64,
+        types.boolean,
+        types.voidptr,
+        types.voidptr,
+        types.int64,
+        types.int64,
+        DOUBLES,
     )
-    track = Track(moving, ground, side, unloaded, frame)
-    middle, _ = split(moving, ground)
-    sx = motion.body_speed - motion.speed
-    sx_square = sx * sx + SLIDING_FLOOR * SLIDING_FLOOR
-    short = REACH * (ground.front - ground.rear)
-    piece = newest(memory, side)
-    Q_0 = Q_y = Q_xy = 0.0
-    front, halved = ground.front, False
-    while front > ground.rear:
-        rear = ground.rear
-        if rear < middle < front:
-            rear = middle
-        if remember:
-            piece = find(memory, entries, memory.travel + side * (front + unloaded - short), piece, side)
-            end = side * (panel(memory, entries, piece, side) - memory.travel) - unloaded
-            if rear < end < front:
-                rear = end
-        limit = rear
-        if not halved:
-            rear = return_place(track, rule, remember, memory, entries, piece, front, limit)
-        halved = rear > limit
-        length = front - rear
-        for k in range(rule.nodes.size):
-            x = front - length * rule.nodes[k]
-            j_x, j_y, piece = displacement(track, remember, memory, entries, piece, x)
-            sy = motion.lateral_speed + motion.curvature * x
-            strength = ground.strength + ground.strength_gradient * x
-            mobilised = 1.0 - decay(math.sqrt(j_x * j_x + j_y * j_y) / model.shear_modulus)
-            Q = length * rule.weights[k] * strength * mobilised / math.sqrt(sx_square + sy * sy)
-            Q_0 += Q
-            Q_y += Q * sy
-            Q_xy += Q * sy * x
-        front = rear
-    rolling = model.resistance * max(load, 0.0) if motion.speed != 0.0 else 0.0
-    return Force(side * (-sx * Q_0 - rolling), -Q_y, -side * Q_xy)
+)
+def linked_track_force(  # type: ignore[no-untyped-def]
+    numbers, nodes, weights, node_count, remember, memory, entries, entry_count, track, result
+):
+    """`track_force` by address: forward, left and moment of one of the two tracks, from what `pack` has written."""
+    n = carray(numbers, NUMBERS)
+    model = TrackModel(n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9], n[10], n[11])
+    motion = TrackMotion(n[12], n[13], n[14], n[15], n[16], n[17])
+    frame = Frame(n[18], n[19], n[20], n[21])
+    rule = GradedRule(carray(nodes, node_count), carray(weights, node_count))
+    memories, rings = carray(memory, 2, MEMORY), carray(entries, (2, entry_count), ENTRY)
+    force = track_force(model, n[0], n[1], motion, rule, remember, frame, memories[track], rings[track])
+    found = carray(result, 3)
+    found[0], found[1], found[2] = force.forward, force.left, force.moment

@@ -15,7 +15,8 @@ from trackctl.mechanics.slip import slip
 from trackctl.simulation import integrator
 from trackctl.simulation.collocation import NODES, TO_CUBIC
 from trackctl.simulation.contact_memory import ENTRY, MEMORY
-from trackctl.simulation.integrator import RUN, STEP, Pieces, Settings, Steps, advance
+from trackctl.simulation.integrator import advance
+from trackctl.simulation.run_state import RUN, STEP, Pieces, Settings, Steps
 from trackctl.simulation.track_speeds import TrackSpeeds, speed_pieces
 from trackctl.simulation.vehicle_rates import Scene, track_loads
 
@@ -171,6 +172,7 @@ def integration(scene: Scene, start: State, time: float, speeds: tuple[float, fl
     """
     run, memory, entries = np.zeros(1, RUN), np.zeros(2, MEMORY), np.zeros((2, FIRST_RING), ENTRY)
     run["time"], run["pose"], run["velocity"], run["step"] = time, start.pose, start.velocity, FIRST_STEP
+    run["to_come"] = 1.0
     for track in range(2):
         if speeds is None or speeds[track] == 0.0:
             pieces = put_down(scene, start, track)
@@ -188,6 +190,7 @@ def put_down(scene: Scene, start: State, track: int) -> NDArray[np.void]:
     piece = np.zeros(1, ENTRY)
     piece["lower"] = piece["label"] = -half
     piece["upper"], piece["rate"] = half, 2.0 * half
+    piece["span"] = 2.0 * half
     piece["rough_below"] = piece["rough_above"] = True
     rear, front = (end_of(scene, track, end, *start.pose) for end in (-half, half))
     piece["x"][0, :2] = rear[0], front[0] - rear[0]
@@ -203,6 +206,7 @@ def steady(scene: Scene, start: State, track: int, speed: float) -> NDArray[np.v
     pieces = np.zeros(STEADY_PIECES, ENTRY)
     first = step * (np.arange(STEADY_PIECES) - STEADY_PIECES)
     pieces["label"], pieces["rate"] = half + speed * first, speed * step
+    pieces["span"] = scene.model.length
     pieces["lower"] = np.minimum(pieces["label"], pieces["label"] + pieces["rate"])
     pieces["upper"] = np.maximum(pieces["label"], pieces["label"] + pieces["rate"])
     time = first[:, None] + step * np.concatenate(([0.0], NODES))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.simulation.integrator import PIECE, Pieces
+from trackctl.simulation.run_state import PIECE, Pieces
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,15 @@ def speed_pieces(speeds: TrackSpeeds) -> Pieces:
         pieces[side][:, 0] = np.where(start == 0.0, BARELY_MOVING * end, start)
         pieces[side][:, 1] = np.where(end == 0.0, BARELY_MOVING * start, end)
     return pieces
+
+
+def ramp(start: float, end: float, before: Array, after: Array) -> Pieces:
+    """Pieces between two times at which the tracks have the speeds `before` and `after`, left and right, shape (2,)."""
+    if not (before * after > 0.0).all():
+        return speed_pieces(TrackSpeeds(np.array([start, end]), *np.stack((before, after), axis=1)))
+    piece = np.empty(1, PIECE)
+    piece[0] = (start, end, (before[0], after[0]), (before[1], after[1]))
+    return piece
 
 
 def crossing_times(time: Array, values: Array) -> Array:

@@ -16,8 +16,9 @@ from trackctl.mechanics.shear import TrackMotion
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.contact_memory import Entries, Memory
-from trackctl.simulation.graded_quadrature import GradedRule, graded_rule
-from trackctl.simulation.ground_force import Frame, track_force
+from trackctl.simulation.graded_quadrature import FEW_NODES, GradedRule, graded_rule
+from trackctl.simulation.ground_force import NUMBERS, linked_track_force, pack
+from trackctl.simulation.shoe_displacement import Frame
 
 Array = NDArray[np.float64]
 
@@ -35,8 +36,8 @@ class Scene(NamedTuple):
         Angle of the plane. [rad]
     uphill_yaw
         Direction of up-slope in the plane, from the x axis. [rad]
-    rule
-        Quadrature along the tracks.
+    rule, rough_rule
+        Quadrature along the tracks, of forces and of what needs them roughly.
     remember
         Whether each shoe's point of entry is kept; else the present motion is taken to have lasted since.
     """
@@ -46,6 +47,7 @@ class Scene(NamedTuple):
     slope: float
     uphill_yaw: float
     rule: GradedRule
+    rough_rule: GradedRule
     remember: bool
 
 
@@ -60,7 +62,22 @@ def scene(
 ) -> Scene:
     """The scene of profiles, gravity [m/s2] and a slope plane [rad]; see `Scene`."""
     model = track_model(vehicle, terrain, gravity)
-    return Scene(model, vehicle.yaw_inertia / vehicle.mass, slope, uphill_yaw, graded_rule(), remember)
+    inertia = vehicle.yaw_inertia / vehicle.mass
+    return Scene(model, inertia, slope, uphill_yaw, graded_rule(), graded_rule(FEW_NODES), remember)
+
+
+@kernel
+def roughly(scene: Scene) -> Scene:
+    """The scene with forces taken roughly."""
+    return Scene(
+        scene.model,
+        scene.gyration_square,
+        scene.slope,
+        scene.uphill_yaw,
+        scene.rough_rule,
+        scene.rough_rule,
+        scene.remember,
+    )
 
 
 @kernel
@@ -120,6 +137,7 @@ def vehicle_rates(
     F_x = -math.sin(scene.slope) * math.cos(heading)
     F_y = math.sin(scene.slope) * math.sin(heading)
     M = 0.0
+    numbers, found = np.empty(NUMBERS), np.empty(3)
     for track in range(2):
         arm = (0.5 - track) * model.gauge - model.cog_left
         speed = speed_left if track == 0 else speed_right
@@ -130,20 +148,23 @@ def vehicle_rates(
             cos_yaw,
             sin_yaw,
         )
-        force = track_force(
-            model,
-            weighing.left if track == 0 else weighing.right,
-            weighing.pressure_centre,
-            motion,
-            scene.rule,
+        load = weighing.left if track == 0 else weighing.right
+        pack(numbers, model, load, weighing.pressure_centre, motion, frame)
+        linked_track_force(
+            numbers.ctypes,
+            scene.rule.nodes.ctypes,
+            scene.rule.weights.ctypes,
+            scene.rule.nodes.size,
             scene.remember,
-            frame,
-            memory[track],
-            entries[track],
+            memory.ctypes,
+            entries.ctypes,
+            entries.shape[1],
+            track,
+            found.ctypes,
         )
-        F_x += force.forward
-        F_y += force.left
-        M += force.moment - model.cog_forward * force.left - arm * force.forward
+        F_x += found[0]
+        F_y += found[1]
+        M += found[2] - model.cog_forward * found[1] - arm * found[0]
     result[0] = model.gravity * F_x + r * v_y
     result[1] = model.gravity * F_y - r * v_x
     result[2] = model.gravity * M / scene.gyration_square
