@@ -8,6 +8,7 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import Akima1DInterpolator
 from scipy.spatial import KDTree
 
 from trackctl.simulation.motion import End, Integration, State, integration
@@ -119,10 +120,10 @@ def follow(
 
 
 def sampled(commands: PathCommands, time: Array) -> list[Reference]:
-    """The target at some times."""
+    """The target at some times, interpolated smoothly: chords between samples would be fed back as errors."""
     path = commands.path
     columns = (path.x, path.y, path.tangent, commands.sideslip, path.speed)
-    rows = np.stack([np.interp(time, commands.time, values) for values in columns], axis=1)
+    rows = np.stack([Akima1DInterpolator(commands.time, values)(time) for values in columns], axis=1)
     return [Reference(*row) for row in rows.tolist()]
 
 
