@@ -10,7 +10,7 @@ from simulation.driving import ASPHALT, SMALL, drive, drive_along, slope_scene, 
 from trackctl.lut.point import solve_points
 from trackctl.simulation.collocation_step import accept
 from trackctl.simulation.contact_memory import push
-from trackctl.simulation.motion import End, State, sample, turn_time
+from trackctl.simulation.motion import End, State, integration, sample, turn_time
 from trackctl.simulation.newton import try_step
 from trackctl.simulation.run_state import Speeds
 
@@ -223,9 +223,9 @@ def test_error_falls_with_the_tolerance(remember):
     assert fine < 0.1 * coarse
 
 
-def fixed_steps(settled, count):
+def fixed_steps(begun, count):
     """Two seconds more of a motion, in steps of one length; the velocities and the pose at the end."""
-    simulation, h = copy.deepcopy(settled), 2.0 / count
+    simulation, h = copy.deepcopy(begun), 2.0 / count
     run, memory, entries = simulation.run[0], simulation.memory, simulation.entries
     speeds = Speeds(*np.repeat(TURN, 2))
     for step in simulation.steps[:count]:
@@ -245,3 +245,12 @@ def test_convergence_order(remember):
     coarse, fine = (np.abs(fixed_steps(settled, count) - exact).max() for count in (4, 20))
     assert fine < 1e-9
     assert math.log(coarse / fine) / math.log(5.0) >= 3.2
+
+
+def test_convergence_order_without_stiffness():
+    """Five, that of Radau IIA of three stages, for a free body on the slope: the motion is smooth and not stiff."""
+    ground = slope_scene(30.0, terrain=FREE, uphill_yaw=0.3)
+    begun = integration(ground, State(0.0, 0.0, 0.2, 0.7, -0.4, 2.0), 0.0, TURN)
+    exact = fixed_steps(begun, 64)
+    coarse, fine = (np.abs(fixed_steps(begun, count) - exact).max() for count in (4, 16))
+    assert math.log(coarse / fine) / math.log(4.0) == pytest.approx(5.0, abs=0.2)
