@@ -53,6 +53,17 @@ def test_path_rule_reaches_its_figures(path_of, degrees, size, with_memory, with
         assert deviation_percent(ground, commands, path) <= MARGIN * max(figure, LEAST_FIGURE)
 
 
+@pytest.mark.parametrize("factor", [0.8, 1.25])
+@pytest.mark.parametrize(
+    ("degrees", "size", "figure"), [(12, "small", 0.09), (12, "big", 0.07), (18, "small", 0.07), (18, "big", 0.73)]
+)
+def test_circles_reach_their_figures_at_other_radii(degrees, size, figure, factor):
+    """The figures name no radius: `benchmarks/path_rule.py` has the other rows."""
+    _, _, radius, speed = SIZES[size]
+    path, ground = circle(factor * radius, speed, 1.0, (0.0, 0.0, 0.0)), scene_of(size, degrees)
+    assert deviation_percent(ground, path_commands(ground, path), path) <= MARGIN * figure
+
+
 @pytest.mark.parametrize(("size", "naive"), [("small", 3.3), ("big", 3.5)])
 def test_the_naive_reading_misses_a_circle_by_what_is_known(size, naive):
     ground, path = scene_of(size, 12), lap(size)
