@@ -78,7 +78,8 @@ def return_place(
     """Where between the neighbours of a node displacement is least: where it vanishes, stress has a kink. [m]"""
     newest_x, x, oldest_x = work[0, place - 1], work[0, place], work[0, place + 1]
     step = DIFFERENCE * (track.ground.front - track.ground.rear)
-    pair = work[:, :2]
+    # Not a part of `work`: numba would compile everything again for rows with gaps between.
+    pair = np.empty((3, 2))
     for _ in range(RETURN_STEPS):
         pair[0, 0], pair[0, 1] = x + 0.5 * step, x - 0.5 * step
         displacements(track, remember, memory, entries, piece, pair[0], pair[1], pair[2])
@@ -147,14 +148,15 @@ def shear(
             label = memory.travel + side * (front + track.unloaded - REACH * contact_length)
             piece = find(memory, entries, label, piece, side)
         rear = stretch_end(track, remember, memory, entries, piece, front, middle)
-        spread(work[0], rule, front, rear)
-        displacements(track, remember, memory, entries, piece, work[0], work[1], work[2])
-        place = 0 if halved else deepest_return(work[1], work[2], (SHALLOW * contact_length) ** 2)
-        halved = place > 0
-        if halved:
-            rear = return_place(track, remember, memory, entries, piece, work, place)
+        looking, halved = not halved, False
+        while True:
             spread(work[0], rule, front, rear)
             displacements(track, remember, memory, entries, piece, work[0], work[1], work[2])
+            place = deepest_return(work[1], work[2], (SHALLOW * contact_length) ** 2) if looking else 0
+            if place == 0:
+                break
+            rear = return_place(track, remember, memory, entries, piece, work, place)
+            looking, halved = False, True
         sum_0, sum_y, sum_xy = stress_sums(track, shear_modulus, rule, work)
         Q_0 += (front - rear) * sum_0
         Q_y += (front - rear) * sum_y
