@@ -32,9 +32,19 @@ SETTLED = 1e-7
 @kernel
 def settle(scene: Scene, run: Run, piece: Pieces, memory: Memory, entries: Entries) -> None:
     """Rates at the start of a piece, consistent with the loads that they make."""
+    for k in range(3):
+        run.poses[0, k], run.velocities[0, k] = run.pose[k], run.velocity[k]
     for _ in range(20):
         vehicle_rates(
-            scene, run.pose, run.velocity, run.rate, piece.left[0], piece.right[0], memory, entries, run.force_rate
+            scene,
+            run.poses[0],
+            run.velocities[0],
+            run.rate,
+            piece.left[0],
+            piece.right[0],
+            memory,
+            entries,
+            run.force_rate,
         )
         run.evaluations += 1
         change = 0.0

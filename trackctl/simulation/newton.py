@@ -101,14 +101,14 @@ def predict(run: Run, h: float) -> None:
 
 
 @kernel
-def choose_jacobian(run: Run, h: float) -> bool:
-    """Choose a Jacobian that will do for a step of this length, or else a place for a new one; whether it is there."""
+def choose_jacobian(run: Run, h: float) -> None:
+    """Choose a Jacobian that will do for a step of this length, or else a place for a new one."""
     for i in range(JACOBIANS):
         if abs(h - run.jacobian_step[i]) <= SAME_LENGTH * h:
             run.jacobian = i
-            return True
+            return
     run.jacobian = (run.jacobian + 1) % JACOBIANS
-    return False
+    run.jacobian_step[run.jacobian] = 0.0
 
 
 @kernel
@@ -121,11 +121,9 @@ def newton(
     entries: Entries,
     scale: float,
     tolerance: float,
-    reuse: bool,
 ) -> bool:
     """Solve the step, with the Jacobian at hand or a new one; False where Newton's method does not get there."""
-    worn = False
-    worn = False
+    reuse, worn = run.jacobian_step[run.jacobian] > 0.0, False
     before, to_come = math.inf, max(run.to_come, 1e-16) ** 0.8
     for iteration in range(NEWTON_STEPS):
         step_residual(scene, run, h, speeds, memory, entries, run.residual)
@@ -181,14 +179,15 @@ def try_step(
 ) -> float:
     """Solve a step; its error over the tolerance, infinite where it could not be solved."""
     scale = speed_scale(scene, run, speeds)
-    reuse = choose_jacobian(run, h)
-    predict(run, h)
-    solved = newton(scene, run, h, speeds, memory, entries, scale, tolerance, reuse)
-    if not solved and reuse:
+    choose_jacobian(run, h)
+    tries, solved = 2 if run.jacobian_step[run.jacobian] > 0.0 else 1, False
+    while tries > 0 and not solved:
         predict(run, h)
-        solved = newton(scene, run, h, speeds, memory, entries, scale, tolerance, False)
+        solved = newton(scene, run, h, speeds, memory, entries, scale, tolerance)
+        if not solved:
+            run.jacobian_step[run.jacobian] = 0.0
+        tries -= 1
     if not solved:
-        run.jacobian_step[run.jacobian] = 0.0
         return math.inf
     error = error_of(scene, run, h, scale)
     run.error = error * scale
