@@ -80,6 +80,36 @@ class ProfileError(InputFileError):
         super().__init__(file, problem, line)
 
 
+class MapError(InputFileError):
+    """A map, an image or elevation grid of one, or what it lays down for a plan is not allowed.
+
+    Parameters
+    ----------
+    file
+        The file at fault.
+    problem
+        What is wrong, naming key, value and what is allowed.
+    line
+        Line number from 1, where known.
+    key
+        The key at fault, where one is.
+    value
+        Its value.
+    """
+
+    def __init__(
+        self,
+        file: Path | str,
+        problem: str,
+        line: int | None = None,
+        key: str | None = None,
+        value: object = None,
+    ) -> None:
+        self.key = key
+        self.value = value
+        super().__init__(file, problem, line)
+
+
 class LutFormatError(InputFileError):
     """A file is no look-up table that this version can read."""
 
