@@ -40,6 +40,8 @@ HOMES = {
     "yaml": {"files"},
     "h5py": {"files"},
     "csv": {"files"},
+    "PIL": {"files"},
+    "tifffile": {"files"},
     "matplotlib": {"plots"},
     "distributed": {"workflows"},
 }

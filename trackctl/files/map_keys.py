@@ -1,0 +1,133 @@
+"""Values of the keys of a map's YAML file, each checked; an error names file, line, key, value and what is allowed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import yaml
+
+from trackctl.files.strict_yaml import Entry, number, plain_text
+from trackctl.geometry.circle import Circle
+from trackctl.planning.obstacles import Polygon
+from trackctl.units import accepted_keys
+
+#: Coordinates up to here: projected ones have seven digits before the point. [m]
+FARTHEST = 1e8
+MOST_TURNED = 10.0 * 360.0
+MOST_OBSTACLES = 10_000
+OBSTACLES = "circles: [[x, y, radius], ...] and polygons: [[[x, y], [x, y], [x, y], ...], ...], in m"
+
+
+def ranged(entry: Entry, low: float, high: float, node: yaml.Node | None = None) -> float:
+    """The number of an entry, or of a node inside it, between `low` and `high`.
+
+    Numbers like 5e-2, which YAML takes for text, are understood as in map_server.
+    """
+    node = node or entry.node
+    allowed = f"{low:g} to {high:g}"
+    value = _plain_number(node)
+    if value is None:
+        value = number(entry, 1.0, allowed, node)
+    if not low <= value <= high:
+        raise entry.error(f"{value:g} is not allowed; allowed: {allowed}", value)
+    return value
+
+
+def numbers(entry: Entry, ranges: dict[str, tuple[float, float]]) -> list[float]:
+    """The numbers of a list with one for each range, which are named for messages."""
+    nodes = _items(entry, entry.node, f"[{', '.join(ranges)}]")
+    if len(nodes) != len(ranges):
+        raise entry.error(f"has {len(nodes)} numbers; allowed: [{', '.join(ranges)}]")
+    return [ranged(entry, *between, node) for node, between in zip(nodes, ranges.values(), strict=True)]
+
+
+def pose(entry: Entry) -> tuple[float, float, float]:
+    """``[x_m, y_m, yaw_deg]``, the yaw in rad."""
+    place = (-FARTHEST, FARTHEST)
+    x, y, yaw = numbers(entry, {"x_m": place, "y_m": place, "yaw_deg": (-MOST_TURNED, MOST_TURNED)})
+    return x, y, math.radians(yaw)
+
+
+def tolerance(entry: Entry) -> tuple[float, float]:
+    """``[position_m, yaw_deg]``, the yaw in rad."""
+    position, yaw = numbers(entry, {"position_m": (0.0, 1000.0), "yaw_deg": (0.0, 180.0)})
+    return position, math.radians(yaw)
+
+
+def in_unit(entry: Entry, low: float, high: float) -> float:
+    """The number of an entry, in SI by the unit of its key; so is the range, but for the message."""
+    size = accepted_keys(entry.key)[entry.key]
+    return ranged(entry, low / size, high / size) * size
+
+
+def truth(entry: Entry) -> bool:
+    """0, 1, or a word that YAML takes for false or true."""
+    text = entry.node.value if isinstance(entry.node, yaml.ScalarNode) else ""
+    found = {"0": False, "1": True, "false": False, "true": True, "no": False, "yes": True}.get(text.lower())
+    if found is None:
+        raise entry.error(f"{text or 'a list or mapping'} is not allowed; allowed: 0, 1, false, true", text)
+    return found
+
+
+def file_name(entry: Entry) -> str:
+    """The text of an entry that names a file or profile."""
+    name = plain_text(entry)
+    if not name.strip() or "\0" in name:
+        raise entry.error("is empty; allowed: the name of a file", name)
+    return name
+
+
+def obstacles(entry: Entry) -> tuple[tuple[Circle, ...], tuple[Polygon, ...]]:
+    """The circles and polygons of a mapping with the one, the other or both keys."""
+    if not isinstance(entry.node, yaml.MappingNode):
+        raise entry.error(f"is no mapping; allowed: {OBSTACLES}")
+    lists: dict[str, list[yaml.Node]] = {}
+    for key, node in entry.node.value:
+        if key.value not in ("circles", "polygons") or key.value in lists:
+            raise entry.error(f"{key.value!r} is unknown or there twice; allowed: {OBSTACLES}", key.value)
+        lists[key.value] = _items(Entry(entry.file, key.start_mark.line + 1, key.value, node), node, OBSTACLES)
+    if sum(map(len, lists.values())) > MOST_OBSTACLES:
+        raise entry.error(f"holds too many; allowed: up to {MOST_OBSTACLES}")
+    circles = tuple(_circle(part) for part in _parts(entry, "circle", lists.get("circles", [])))
+    return circles, tuple(_polygon(part) for part in _parts(entry, "polygon", lists.get("polygons", [])))
+
+
+def _parts(entry: Entry, kind: str, nodes: list[yaml.Node]) -> Iterator[Entry]:
+    """Each obstacle as an entry of its own, so that messages tell its line and number."""
+    for count, node in enumerate(nodes, start=1):
+        yield Entry(entry.file, node.start_mark.line + 1, f"{entry.key}, {kind} {count}", node)
+
+
+def _circle(entry: Entry) -> Circle:
+    place = (-FARTHEST, FARTHEST)
+    return Circle(*numbers(entry, {"x_m": place, "y_m": place, "radius_m": (0.0, 1e6)}))
+
+
+def _polygon(entry: Entry) -> Polygon:
+    allowed = "three corners [x_m, y_m] or more"
+    corners = [
+        Entry(entry.file, node.start_mark.line + 1, entry.key, node) for node in _items(entry, entry.node, allowed)
+    ]
+    if len(corners) < 3:
+        raise entry.error(f"has {len(corners)} corners; allowed: {allowed}")
+    place = (-FARTHEST, FARTHEST)
+    points = (numbers(corner, {"x_m": place, "y_m": place}) for corner in corners)
+    return tuple((x, y) for x, y in points)
+
+
+def _items(entry: Entry, node: yaml.Node, allowed: str) -> list[yaml.Node]:
+    if not isinstance(node, yaml.SequenceNode):
+        raise entry.error(f"is no list; allowed: {allowed}")
+    return list(node.value)
+
+
+def _plain_number(node: yaml.Node) -> float | None:
+    """A number that YAML 1.1 takes for text, such as 5e-2; None where it is none or not finite."""
+    if not isinstance(node, yaml.ScalarNode) or node.style or "_" in node.value:
+        return None
+    try:
+        value = float(node.value)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
