@@ -1,0 +1,159 @@
+"""Growing the tree: families towards random points, exact connections to the goal."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.compiled import kernel
+from trackctl.planning.collision import cell_position, free_radius
+from trackctl.planning.connection import connect_dubins
+from trackctl.planning.families import way_to_point
+from trackctl.planning.pieces import Task, Way, free_length, way_cost
+from trackctl.planning.pose import advanced
+from trackctl.planning.random_numbers import Stream, between, uniform
+from trackctl.planning.tree import Tree, add_node, nearest
+
+Array = NDArray[np.float64]
+
+#: Share of samples drawn about the goal.
+GOAL_SHARE = 0.1
+#: Tries to draw a point that is not blocked.
+TRIES = 100
+#: Shortest extension worth a node, over the smallest radius.
+SHORTEST = 0.1
+#: An extension that obstacles cut keeps back this share of its last piece: from a wall there is no way on.
+KEPT_BACK = 0.15
+
+
+class Growth(NamedTuple):
+    """State of a search besides its tree, for kernels.
+
+    Attributes
+    ----------
+    stream
+        Random numbers.
+    goal
+        x, y, tangent. [m], [rad]
+    reach
+        Longest extension. [m]
+    way, shot
+        Work space: an extension, and a connection to the goal.
+    best
+        Cost of the best solution, shape (1,).
+    last
+        Node that the best solution leaves the tree at, -1 without one, and the number of pieces from there.
+    solution
+        Those pieces.
+    """
+
+    stream: Stream
+    goal: tuple[float, float, float]
+    reach: float
+    way: Way
+    shot: Way
+    best: Array
+    last: NDArray[np.int64]
+    solution: Way
+
+
+@kernel
+def _draw_point(task: Task, growth: Growth) -> tuple[float, float]:
+    """A point of the map that the mass centre might be at."""
+    obstacles, stream = task.obstacles, growth.stream
+    n_rows, n_columns = obstacles.distance.shape
+    x, y = growth.goal[0], growth.goal[1]
+    about_goal = uniform(stream) < GOAL_SHARE
+    for _ in range(TRIES):
+        if about_goal:
+            x = growth.goal[0] + growth.reach * between(stream, -1.0, 1.0)
+            y = growth.goal[1] + growth.reach * between(stream, -1.0, 1.0)
+        else:
+            column = n_columns * uniform(stream) * obstacles.resolution
+            row = n_rows * uniform(stream) * obstacles.resolution
+            x = obstacles.x + obstacles.cos_yaw * column - obstacles.sin_yaw * row
+            y = obstacles.y + obstacles.sin_yaw * column + obstacles.cos_yaw * row
+        at_column, at_row = cell_position(obstacles, x, y)
+        if free_radius(obstacles, at_column, at_row) > 0.0:
+            break
+    return x, y
+
+
+@kernel
+def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) -> tuple[float, int]:
+    """Shorten pieces from a node to what is free and to a length in all; that length and what is left of the pieces."""
+    x, y, tangent = tree.x[node], tree.y[node], tree.tangent[node]
+    total = 0.0
+    for i in range(count):
+        wanted = min(abs(way.length[i]), reach - total)
+        sense = 1.0 if way.length[i] >= 0.0 else -1.0
+        free = free_length(task, x, y, tangent, way.curvature[i], sense * wanted)
+        length = wanted if free >= wanted else (1.0 - KEPT_BACK) * free
+        way.length[i] = sense * length
+        total += length
+        if free < wanted or total >= reach:
+            return total, i + 1
+        x, y, tangent = advanced(x, y, tangent, way.curvature[i], way.length[i])
+    return total, count
+
+
+@kernel
+def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
+    """Add a node on the way from the nearest one to a point; -1 if there is no way."""
+    radius = task.radii[min(int(uniform(growth.stream) * task.radii.size), task.radii.size - 1)]
+    node = nearest(tree, x, y, radius)
+    if node < 0:
+        return -1
+    length, count = way_to_point(tree.x[node], tree.y[node], tree.tangent[node], x, y, radius, growth.way)
+    if not length < np.inf:
+        return -1
+    length, count = _cut(task, tree, node, growth.way, count, growth.reach)
+    if length < SHORTEST * task.radii[0]:
+        return -1
+    start = tree.x[node], tree.y[node], tree.tangent[node]
+    cost = way_cost(task, start[0], start[1], start[2], tree.gear[node], growth.way, count, np.inf)
+    return -1 if cost == np.inf else add_node(tree, node, growth.way, count, cost)
+
+
+@kernel
+def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
+    """Connect a node to the goal exactly, if that makes a better solution."""
+    found = False
+    start = tree.x[node], tree.y[node], tree.tangent[node], tree.gear[node]
+    for radius in task.radii:
+        bound = growth.best[0] - tree.cost[node]
+        cost, count = connect_dubins(task, start, growth.goal, radius, bound, growth.shot)
+        if cost < bound:
+            found = True
+            growth.best[0] = tree.cost[node] + cost
+            growth.last[0], growth.last[1] = node, count
+            for i in range(count):
+                growth.solution.curvature[i] = growth.shot.curvature[i]
+                growth.solution.length[i] = growth.shot.length[i]
+                growth.solution.pivot[i] = growth.shot.pivot[i]
+    return found
+
+
+@kernel
+def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, bool]:
+    """Grow the tree until there is a better solution.
+
+    Returns
+    -------
+    tuple
+        Iterations done, and whether the last one found a better solution.
+    """
+    for iteration in range(iterations):
+        x, y = _draw_point(task, growth)
+        node = extend(task, tree, growth, x, y)
+        if node < 0:
+            continue
+        dx, dy = growth.goal[0] - tree.x[node], growth.goal[1] - tree.y[node]
+        if tree.cost[node] + math.hypot(dx, dy) * task.ground.forward.least_rate < growth.best[0] and shoot(
+            task, tree, growth, node
+        ):
+            return iteration + 1, True
+    return iterations, False

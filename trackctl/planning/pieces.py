@@ -1,0 +1,204 @@
+"""Arcs, straights and turns on the spot: whether they can be driven, and what they cost."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.compiled import kernel
+from trackctl.planning.collision import Obstacles, cleared_movement, disc_clearance, is_clear
+from trackctl.planning.ground import Ground, Motion, rate_at
+from trackctl.planning.pose import advanced
+
+Array = NDArray[np.float64]
+
+#: Pieces of a connection at most: the longest words of Reeds and Shepp.
+MOST_PIECES = 5
+#: Between two samples of cost and feasibility along a piece. [m]
+COST_STEP = 0.2
+#: First step of a sweep whose start is too near an obstacle for the discs, in cells.
+FIRST_STEP = 2.0
+#: Movement between two checks below which a sweep gives up, in cells: that near an obstacle it counts as touching.
+FINEST_STEP = 0.1
+#: Between two checks of a turn on the spot, as movement of the farthest vertex, in cells.
+PIVOT_STEP = 0.5
+
+
+class Way(NamedTuple):
+    """Pieces one after the other, arrays as of `Route` with space for some more.
+
+    Attributes
+    ----------
+    curvature
+        [1/m]
+    length
+        [m]
+    pivot
+        [rad]
+    """
+
+    curvature: Array
+    length: Array
+    pivot: Array
+
+
+class Task(NamedTuple):
+    """What the kernels of a search read and never change.
+
+    Attributes
+    ----------
+    obstacles
+        What not to touch.
+    ground
+        What driving costs.
+    radii
+        Turning radii that connections try, ascending. [m]
+    gear_change
+        Cost of changing between forwards and backwards.
+    pivot_rate
+        Cost of turning on the spot by a radian; infinite where it cannot. [1/rad]
+    can_reverse
+        Whether there is a reverse gear.
+    """
+
+    obstacles: Obstacles
+    ground: Ground
+    radii: Array
+    gear_change: float
+    pivot_rate: float
+    can_reverse: bool
+
+
+def new_way(count: int = MOST_PIECES) -> Way:
+    """Space for some pieces."""
+    return Way(*(np.zeros(count) for _ in range(3)))
+
+
+@kernel
+def gear_of(length: float, before: int) -> int:
+    """1 forwards, -1 backwards, and what it was where nothing is driven."""
+    if length == 0.0:
+        return before
+    return 1 if length > 0.0 else -1
+
+
+@kernel
+def motion_in(task: Task, length: float) -> Motion:
+    """Tables of the gear that a piece is driven in."""
+    if length < 0.0:
+        return task.ground.backward
+    return task.ground.forward
+
+
+@kernel
+def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
+    """Cost of an arc or a straight, by the midpoint rule; infinite where it cannot be driven."""
+    if length == 0.0:
+        return 0.0
+    motion = motion_in(task, length)
+    if task.ground.is_level:
+        return rate_at(task.ground, motion, x, y, tangent, curvature)[0] * abs(length)
+    count = math.ceil(abs(length) / COST_STEP)
+    step, total = length / count, 0.0
+    for i in range(count):
+        at_x, at_y, at_tangent = advanced(x, y, tangent, curvature, (i + 0.5) * step)
+        total += rate_at(task.ground, motion, at_x, at_y, at_tangent, curvature)[0]
+        if total == np.inf:
+            return np.inf
+    return float(total * abs(step))
+
+
+@kernel
+def free_length(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
+    """How far an arc or a straight can be driven before the footprint touches; all in between is clear.
+
+    A check at a point covers what is nearer to it than the clearance there, over the fastest that a point of the
+    footprint moves.
+
+    Parameters
+    ----------
+    task
+        Obstacles and sideslip.
+    x, y, tangent
+        A start that is clear. [m], [rad]
+    curvature, length
+        Of the piece, the length negative backwards. [1/m], [m]
+
+    Returns
+    -------
+    float
+        Not negative; the size of `length` where nothing is in the way. [m]
+    """
+    obstacles, motion = task.obstacles, motion_in(task, length)
+    total, sense = abs(length), (1.0 if length >= 0.0 else -1.0)
+    per_metre = 1.0 + obstacles.footprint.reach * abs(curvature) * (1.0 + motion.turning)
+    sideslip = rate_at(task.ground, motion, x, y, tangent, curvature)[1]
+    yaw = tangent - sideslip
+    covered = disc_clearance(obstacles, x, y, math.cos(yaw), math.sin(yaw)) - obstacles.margin
+    covered = max(0.0, covered / per_metre)
+    step = max(covered, FIRST_STEP * obstacles.resolution / per_metre)
+    while covered < total:
+        step = min(step, total - covered)
+        at = covered + step
+        at_x, at_y, at_tangent = advanced(x, y, tangent, curvature, sense * at)
+        if not task.ground.is_level:
+            sideslip = rate_at(task.ground, motion, at_x, at_y, at_tangent, curvature)[1]
+        moved = cleared_movement(obstacles, at_x, at_y, at_tangent - sideslip, step * per_metre)
+        if moved >= 0.0:
+            covered = at + moved / per_metre
+            step = max(2.0 * step, moved / per_metre)
+        else:
+            step *= 0.5
+            if step * per_metre < FINEST_STEP * obstacles.resolution:
+                return covered
+    return total
+
+
+@kernel
+def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> bool:
+    """Whether the body can turn on the spot by an angle without touching."""
+    obstacles = task.obstacles
+    step = PIVOT_STEP * obstacles.resolution
+    count = math.ceil(abs(angle) * obstacles.footprint.reach / step)
+    for i in range(count):
+        at = yaw + angle * (i + 0.5) / count
+        if not is_clear(obstacles, x, y, math.cos(at), math.sin(at), 0.5 * step):
+            return False
+    return True
+
+
+@kernel
+def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way, count: int, bound: float) -> float:
+    """Cost of driving some pieces, obstacles left aside; infinite where that cannot be or costs the bound or more."""
+    total = 0.0
+    for i in range(count):
+        length = way.length[i]
+        if length != 0.0:
+            if gear * length < 0.0:
+                total += task.gear_change
+            gear = gear_of(length, gear)
+            total += drive_cost(task, x, y, tangent, way.curvature[i], length)
+        elif way.pivot[i] != 0.0:
+            total += task.pivot_rate * abs(way.pivot[i])
+        if not total < bound:
+            return np.inf
+        x, y, tangent = advanced(x, y, tangent, way.curvature[i], length)
+        tangent += way.pivot[i]
+    return total
+
+
+@kernel
+def way_is_free(task: Task, x: float, y: float, tangent: float, way: Way, count: int) -> bool:
+    """Whether some pieces can be driven from a clear pose without touching."""
+    for i in range(count):
+        curvature, length = way.curvature[i], way.length[i]
+        if length != 0.0 and free_length(task, x, y, tangent, curvature, length) < abs(length):
+            return False
+        if way.pivot[i] != 0.0 and not pivot_is_free(task, x, y, tangent, way.pivot[i]):
+            return False
+        x, y, tangent = advanced(x, y, tangent, curvature, length)
+        tangent += way.pivot[i]
+    return True

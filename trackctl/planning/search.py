@@ -1,0 +1,271 @@
+"""Search for a way from start to goal: a tree of arcs and straights in trajectory parameter space, made better in time.
+
+All of it runs in compiled kernels; the clock is looked at only between them, so that a seed and a number of
+iterations give one and the same route.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
+from trackctl.planning.collision_grid import CollisionGrid
+from trackctl.planning.footprint import footprint_of
+from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_tangent
+from trackctl.planning.growth import Growth, grow
+from trackctl.planning.pieces import Task, new_way
+from trackctl.planning.random_numbers import stream_of
+from trackctl.planning.reachability import are_joined, centred_disc
+from trackctl.planning.route import Route
+from trackctl.planning.slope_field import SlopeField
+from trackctl.planning.steering_limits import SteeringLimits
+from trackctl.planning.tree import Tree, new_tree
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+
+#: Nodes of a tree at most.
+CAPACITY = 50_000
+#: Iterations between two looks at the clock.
+BATCH = 64
+#: Longest extension, in smallest radii.
+REACH = 3.5
+#: Turning radii that connections try, in smallest radii.
+RADII = (1.0, 1.5, 2.5, 5.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Problem:
+    """What to find a way for.
+
+    Attributes
+    ----------
+    grid, field
+        Blocked cells and slope of the map.
+    footprint
+        Polygon about the mass centre, shape (n, 2). [m]
+    start, goal
+        x, y [m] and yaw of the body [rad], both driven straight.
+    forward, backward
+        Limits in either gear; None: forward only. Backwards too, curvature is yaw change per metre travelled
+        forwards, the tangent is the reverse of the direction of travel, and direction that of the tangent.
+    clearance
+        To keep between footprint and blocked cells. [m]
+    pivot_speed
+        Rate of a turn on the spot on level ground; 0: cannot. [rad/s]
+    """
+
+    grid: CollisionGrid
+    field: SlopeField
+    footprint: Array
+    start: Pose
+    goal: Pose
+    forward: SteeringLimits
+    backward: SteeringLimits | None = None
+    clearance: float = 0.0
+    pivot_speed: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How to search.
+
+    Attributes
+    ----------
+    seed
+        Of the random numbers.
+    time_limit
+        Where there is no number of iterations. [s]
+    iterations
+        In place of a time limit.
+    cost
+        What to minimise.
+    gear_change
+        Its price as the time it takes; under other costs as much as `gear_change` times their mean rate. [s]
+    """
+
+    seed: int = 0
+    time_limit: float = 1.0
+    iterations: int | None = None
+    cost: Cost = Cost.TIME
+    gear_change: float = 2.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Improvement:
+    """A route better than those before.
+
+    Attributes
+    ----------
+    elapsed
+        Since the start of the search. [s]
+    iteration
+        That found it.
+    cost
+        In the units of the settings' cost.
+    route
+        From start to goal.
+    """
+
+    elapsed: float
+    iteration: int
+    cost: float
+    route: Route
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SearchResult:
+    """What came of a search.
+
+    Attributes
+    ----------
+    improvements
+        Routes found, each better than the one before.
+    reason
+        Why there is none, as a sentence; empty where there is one.
+    elapsed
+        [s]
+    iterations, nodes
+        Done, and in the tree.
+    """
+
+    improvements: tuple[Improvement, ...]
+    reason: str
+    elapsed: float
+    iterations: int
+    nodes: int
+
+    @property
+    def route(self) -> Route | None:
+        """The best."""
+        return self.improvements[-1].route if self.improvements else None
+
+    @property
+    def cost(self) -> float:
+        """Of the best route, infinite without one."""
+        return self.improvements[-1].cost if self.improvements else math.inf
+
+    @property
+    def first_solution(self) -> float | None:
+        """When the first route was found. [s]"""
+        return self.improvements[0].elapsed if self.improvements else None
+
+
+def search(
+    problem: Problem, settings: Settings, progress: Callable[[float, float], None] | None = None
+) -> SearchResult:
+    """Find a way, and better ones as long as time or iterations last.
+
+    Parameters
+    ----------
+    problem
+        Map, vehicle, start and goal.
+    settings
+        How to search.
+    progress
+        Called with what is done and what there is to do, in iterations or else seconds.
+    """
+    begin = time.perf_counter()
+    task = task_of(problem, settings)
+    reason = _hindrance(problem, task)
+    if reason:
+        return SearchResult((), reason, time.perf_counter() - begin, 0, 0)
+    start, goal = (tangent_pose(task.ground, pose) for pose in (problem.start, problem.goal))
+    tree = new_tree(CAPACITY, start)
+    growth = _new_growth(task, goal, settings.seed)
+    improvements: list[Improvement] = []
+    done, total = 0, math.inf if settings.iterations is None else settings.iterations
+    while done < total:
+        count, found = grow(task, tree, growth, int(min(BATCH, total - done)))
+        done += count
+        elapsed = time.perf_counter() - begin
+        if found:
+            improvements.append(Improvement(elapsed, done, float(growth.best[0]), _route(tree, growth)))
+        if progress is not None:
+            progress(*((elapsed, settings.time_limit) if settings.iterations is None else (done, total)))
+        if settings.iterations is None and elapsed >= settings.time_limit:
+            break
+    reason = "" if improvements else f"goal not reached: no connection in {done} iterations"
+    return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, done, int(tree.size[0]))
+
+
+def task_of(problem: Problem, settings: Settings) -> Task:
+    """Map and costs as the kernels read them."""
+    obstacles = obstacles_of(problem.grid, footprint_of(problem.footprint), problem.clearance)
+    ground = ground_of(problem.field, problem.forward, problem.backward, settings.cost)
+    sharpest = float(np.abs(problem.forward.curvature[(problem.forward.speed > 0.0).any(axis=(0, 2))]).max(initial=0.0))
+    radii = np.array(RADII) / max(sharpest, 1e-6)
+    can_pivot = ground.is_level and problem.pivot_speed > 0.0
+    pivot_rate = 1.0 / problem.pivot_speed if can_pivot else math.inf
+    return Task(obstacles, ground, radii, settings.gear_change, pivot_rate, problem.backward is not None)
+
+
+def tangent_pose(ground: Ground, pose: Pose) -> Pose:
+    """The pose with the tangent of straight driving in place of the body's yaw."""
+    x, y, yaw = map(float, pose)
+    return x, y, float(straight_tangent(ground, ground.forward, x, y, yaw))
+
+
+def _new_growth(task: Task, goal: Pose, seed: int) -> Growth:
+    return Growth(
+        stream=stream_of(seed),
+        goal=goal,
+        reach=REACH * float(task.radii[0]),
+        way=new_way(),
+        shot=new_way(),
+        best=np.array([np.inf]),
+        last=np.array([-1, 0]),
+        solution=new_way(),
+    )
+
+
+def _hindrance(problem: Problem, task: Task) -> str:
+    """Why no search can succeed; empty if nothing is known."""
+    for name, pose in (("start", problem.start), ("goal", problem.goal)):
+        reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose)
+        if reason:
+            return f"{name}: {reason}"
+    radius = centred_disc(task.obstacles.footprint)
+    if are_joined(task.obstacles, problem.start[:2], problem.goal[:2], radius):
+        return ""
+    room = f" with {problem.clearance:g} m of clearance" if problem.clearance else ""
+    return f"goal not reachable: obstacles close off the start even for a disc of {radius:g} m radius{room}"
+
+
+def _blocked(obstacles: Obstacles, pose: Pose) -> str:
+    row, column = touched_cell(obstacles, *map(float, pose))
+    if row == NOWHERE:
+        return ""
+    n_rows, n_columns = obstacles.distance.shape
+    if not (0 <= row < n_rows and 0 <= column < n_columns):
+        return "the footprint reaches outside the map"
+    across, up = (column + 0.5) * obstacles.resolution, (row + 0.5) * obstacles.resolution
+    x = obstacles.x + obstacles.cos_yaw * across - obstacles.sin_yaw * up
+    y = obstacles.y + obstacles.sin_yaw * across + obstacles.cos_yaw * up
+    return f"the footprint touches the blocked cell in row {row}, column {column} (x {x:.3f} m, y {y:.3f} m)"
+
+
+def _undrivable(ground: Ground, pose: Pose) -> str:
+    x, y, tangent = tangent_pose(ground, pose)
+    if math.isfinite(rate_at(ground, ground.forward, x, y, tangent, 0.0)[0]):
+        return ""
+    return "the vehicle cannot drive straight there: no feasible speed on this slope in this direction"
+
+
+def _route(tree: Tree, growth: Growth) -> Route:
+    """Pieces from the start along the tree and on to the goal, empty ones left out."""
+    rows = [[part[: growth.last[1]] for part in growth.solution]]
+    node = int(growth.last[0])
+    while node > 0:
+        rows.append([part[node, : tree.piece_count[node]] for part in tree.pieces])
+        node = int(tree.parent[node])
+    curvature, length, pivot = (np.concatenate(parts) for parts in zip(*reversed(rows), strict=True))
+    used = (length != 0.0) | (pivot != 0.0)
+    start = (float(tree.x[0]), float(tree.y[0]), float(tree.tangent[0]))
+    return Route(start, curvature[used], length[used], pivot[used])
