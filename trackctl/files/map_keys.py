@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import yaml
 
@@ -12,8 +12,11 @@ from trackctl.geometry.circle import Circle
 from trackctl.planning.obstacles import Polygon
 from trackctl.units import accepted_keys
 
+Range = tuple[float, float]
+
 #: Coordinates up to here: projected ones have seven digits before the point. [m]
 FARTHEST = 1e8
+PLACE = (-FARTHEST, FARTHEST)
 MOST_TURNED = 10.0 * 360.0
 MOST_OBSTACLES = 10_000
 OBSTACLES = "circles: [[x, y, radius], ...] and polygons: [[[x, y], [x, y], [x, y], ...], ...], in m"
@@ -34,18 +37,31 @@ def ranged(entry: Entry, low: float, high: float, node: yaml.Node | None = None)
     return value
 
 
-def numbers(entry: Entry, ranges: dict[str, tuple[float, float]]) -> list[float]:
-    """The numbers of a list with one for each range, which are named for messages."""
+def find(entries: Mapping[str, Entry], key: str) -> Entry | None:
+    """The entry of a key, in whatever unit of its quantity."""
+    found = [entries[other] for other in accepted_keys(key) if other in entries]
+    if len(found) > 1:
+        raise found[1].error(f"stands in line {found[0].line} as {found[0].key}; allowed: one of the two")
+    return found[0] if found else None
+
+
+def numbers(entry: Entry, ranges: Mapping[str, Range]) -> tuple[float, ...]:
+    """The numbers of a list, with one for each range, which are named for messages."""
     nodes = _items(entry, entry.node, f"[{', '.join(ranges)}]")
     if len(nodes) != len(ranges):
         raise entry.error(f"has {len(nodes)} numbers; allowed: [{', '.join(ranges)}]")
-    return [ranged(entry, *between, node) for node, between in zip(nodes, ranges.values(), strict=True)]
+    return tuple(ranged(entry, *between, node) for node, between in zip(nodes, ranges.values(), strict=True))
+
+
+def in_metres(entry: Entry, names: Iterable[str]) -> tuple[float, ...]:
+    """The coordinates of a list whose key has a unit of length. [m]"""
+    size = accepted_keys(entry.key)[entry.key]
+    return tuple(size * value for value in numbers(entry, dict.fromkeys(names, PLACE)))
 
 
 def pose(entry: Entry) -> tuple[float, float, float]:
     """``[x_m, y_m, yaw_deg]``, the yaw in rad."""
-    place = (-FARTHEST, FARTHEST)
-    x, y, yaw = numbers(entry, {"x_m": place, "y_m": place, "yaw_deg": (-MOST_TURNED, MOST_TURNED)})
+    x, y, yaw = numbers(entry, {"x_m": PLACE, "y_m": PLACE, "yaw_deg": (-MOST_TURNED, MOST_TURNED)})
     return x, y, math.radians(yaw)
 
 
@@ -100,8 +116,7 @@ def _parts(entry: Entry, kind: str, nodes: list[yaml.Node]) -> Iterator[Entry]:
 
 
 def _circle(entry: Entry) -> Circle:
-    place = (-FARTHEST, FARTHEST)
-    return Circle(*numbers(entry, {"x_m": place, "y_m": place, "radius_m": (0.0, 1e6)}))
+    return Circle(*numbers(entry, {"x_m": PLACE, "y_m": PLACE, "radius_m": (0.0, 1e6)}))
 
 
 def _polygon(entry: Entry) -> Polygon:
@@ -111,8 +126,7 @@ def _polygon(entry: Entry) -> Polygon:
     ]
     if len(corners) < 3:
         raise entry.error(f"has {len(corners)} corners; allowed: {allowed}")
-    place = (-FARTHEST, FARTHEST)
-    points = (numbers(corner, {"x_m": place, "y_m": place}) for corner in corners)
+    points = (numbers(corner, {"x_m": PLACE, "y_m": PLACE}) for corner in corners)
     return tuple((x, y) for x, y in points)
 
 

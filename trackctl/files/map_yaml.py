@@ -4,57 +4,31 @@ from __future__ import annotations
 
 import difflib
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from trackctl.errors import MapError, ProfileError
-from trackctl.files.map_image import read_image
-from trackctl.files.map_keys import (
-    FARTHEST,
-    file_name,
-    in_unit,
-    numbers,
-    obstacles,
-    pose,
-    ranged,
-    tolerance,
-    truth,
-)
+from trackctl.files.elevation_file import read_elevation
+from trackctl.files.map_keys import file_name, find, in_metres, in_unit, obstacles, pose, tolerance
 from trackctl.files.profile_folders import is_name
-from trackctl.files.ros_map import MapMode, Shades, occupancy_cells
-from trackctl.files.strict_yaml import STDIN, Entry, plain_text, read_entries, read_text
-from trackctl.planning.occupancy import GridFrame, Occupancy
-from trackctl.planning.planning_map import Bounds, PlanningMap
+from trackctl.files.ros_map import COARSEST, FINEST, IMAGE_KEYS, Entries, cell_width, read_occupancy
+from trackctl.files.strict_yaml import STDIN, read_entries, read_text
+from trackctl.planning.planning_map import PlanningMap
 from trackctl.units import accepted_keys
 
-Entries = Mapping[str, Entry]
-
-FINEST, COARSEST = 1e-4, 1e4  # [m]
-STEEPEST = math.radians(45.0)
-PLACE = (-FARTHEST, FARTHEST)
-#: What a map with an image must hold, as map_server asks.
-IMAGE_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
-#: Keys of our own.
+STEEPEST, MOST_TURNED = math.radians(45.0), 20.0 * math.pi
 PLAN_KEYS = (
-    "start",
-    "goal",
-    "goal_tolerance",
-    "slope_deg",
-    "uphill_yaw_deg",
-    "elevation",
-    "obstacles",
-    "bounds_m",
-    "vehicle",
-    "terrain",
-    "lut",
-)
+    "start", "goal", "goal_tolerance", "slope_deg", "uphill_yaw_deg", "elevation", "elevation_resolution_m",
+    "elevation_origin_m", "obstacles", "bounds_m", "vehicle", "terrain", "lut",
+)  # fmt: skip
 
 
 def read_map_yaml(source: str) -> PlanningMap:
     """A map and what it lays down for a plan, from a file or ``-`` for standard input.
 
-    Keys that are neither ours nor map_server's are left alone, as in ROS.
+    Files that it names lie in its folder unless their path is whole. Keys that are neither ours nor map_server's are
+    left alone, as in ROS.
 
     Raises
     ------
@@ -65,95 +39,64 @@ def read_map_yaml(source: str) -> PlanningMap:
         text, file = read_text(source)
         if not text.strip():
             raise MapError(file, "is empty; allowed: a map")
-        return planning_map(read_entries(text, file), file, Path("." if source == STDIN else source).parent)
+        entries = read_entries(text, file)
+        if not any(find(entries, key) for key in (*IMAGE_KEYS, *PLAN_KEYS)):
+            raise MapError(file, f"is no map; allowed: {', '.join(IMAGE_KEYS)}, and {', '.join(PLAN_KEYS)}")
+        return _planning_map(entries, file, Path("." if source == STDIN else source).parent)
     except ProfileError as error:
         raise MapError(error.file, error.problem, error.line, error.key, error.value) from error
 
 
-def planning_map(entries: Entries, file: str, folder: Path) -> PlanningMap:
-    """The map that the entries of a file describe; files that they name lie in `folder` or have a whole path."""
-    known = [_find(entries, key) for key in (*IMAGE_KEYS, *PLAN_KEYS)]
-    if not any(known):
-        raise MapError(file, f"is no map; allowed: {', '.join(IMAGE_KEYS)}, and {', '.join(PLAN_KEYS)}")
-    has_image = any(key in entries for key in IMAGE_KEYS if key != "resolution")
-    fields: dict[str, Any] = {"occupancy": _occupancy(entries, file, folder)} if has_image else {}
-    for name, entry in entries.items():
-        if name in ("start", "goal"):
-            fields[name] = pose(entry)
-        elif name in ("vehicle", "terrain"):
-            profile = file_name(entry)
-            fields[name] = profile if is_name(profile) else str(folder / profile)
+def _planning_map(entries: Entries, file: str, folder: Path) -> PlanningMap:
+    readers = {"start": pose, "goal": pose, "goal_tolerance": tolerance, "resolution": cell_width}
+    fields: dict[str, Any] = {key: reader(entries[key]) for key, reader in readers.items() if key in entries}
     if "obstacles" in entries:
         fields["circles"], fields["polygons"] = obstacles(entries["obstacles"])
-    if "goal_tolerance" in entries:
-        fields["goal_tolerance"] = tolerance(entries["goal_tolerance"])
-    if "lut" in entries:
-        fields["lut"] = str(folder / file_name(entries["lut"]))
-    if "resolution" in entries:
-        fields["resolution"] = ranged(entries["resolution"], FINEST, COARSEST)
-    return PlanningMap(file=file, bounds=_bounds(entries), notes=tuple(_misspelt(entries)), **_plane(entries), **fields)
+    parts = _ground(entries, folder), _bounds(entries), _named(entries, folder)
+    for part in parts:
+        fields |= part
+    notes = (*fields.pop("notes", ()), *_misspelt(entries))
+    return PlanningMap(file=file, occupancy=read_occupancy(entries, file, folder), notes=notes, **fields)
 
 
-def _find(entries: Entries, key: str) -> Entry | None:
-    """The entry of a key in whatever unit."""
-    found = [entries[other] for other in accepted_keys(key) if other in entries]
-    if len(found) > 1:
-        raise found[1].error(f"stands in line {found[0].line} as {found[0].key}; allowed: one of the two")
-    return found[0] if found else None
-
-
-def _occupancy(entries: Entries, file: str, folder: Path) -> Occupancy:
-    missing = [key for key in IMAGE_KEYS if key not in entries]
-    if missing:
-        raise MapError(file, f"missing keys of a map with an image: {', '.join(missing)}")
-    shades = _shades(entries)
-    resolution = ranged(entries["resolution"], FINEST, COARSEST)
-    place = {"x": PLACE, "y": PLACE, "yaw": (-1000.0, 1000.0)}
-    x, y, yaw = numbers(entries["origin"], place)
-    path = folder / file_name(entries["image"])
-    cells = occupancy_cells(read_image(path), shades)
-    return Occupancy(cells, GridFrame(cells.shape[0], cells.shape[1], resolution, x, y, yaw), str(path))
-
-
-def _shades(entries: Entries) -> Shades:
-    mode = plain_text(entries["mode"]) if "mode" in entries else MapMode.TRINARY
-    if mode not in list(MapMode):
-        raise entries["mode"].error(f"{mode!r} is not allowed; allowed: {', '.join(MapMode)}", mode)
-    occupied = ranged(entries["occupied_thresh"], 0.0, 1.0)
-    free = ranged(entries["free_thresh"], 0.0, 1.0)
-    if free > occupied:
-        raise entries["free_thresh"].error(f"{free:g} is above occupied_thresh; allowed: up to {occupied:g}", free)
-    return Shades(MapMode(mode), truth(entries["negate"]), occupied, free)
-
-
-def _plane(entries: Entries) -> dict[str, Any]:
-    """The plane's slope and direction, as far as given."""
-    slope, uphill = _find(entries, "slope_deg"), _find(entries, "uphill_yaw_deg")
-    if slope is None:
-        if uphill is not None:
-            raise uphill.error("stands without slope_deg; allowed: both")
-        return {}
-    if "elevation" in entries:
+def _ground(entries: Entries, folder: Path) -> dict[str, Any]:
+    """The plane or the elevation grid, as far as given."""
+    slope, uphill = find(entries, "slope_deg"), find(entries, "uphill_yaw_deg")
+    width, corner = find(entries, "elevation_resolution_m"), find(entries, "elevation_origin_m")
+    elevation = entries.get("elevation")
+    if slope and elevation:
         raise slope.error("stands beside elevation; allowed: one of the two")
-    plane = {"slope": in_unit(slope, 0.0, STEEPEST)}
-    return plane if uphill is None else plane | {"uphill_yaw": in_unit(uphill, -20.0 * math.pi, 20.0 * math.pi)}
+    for entry, needed, name in ((uphill, slope, "slope_deg"), (width or corner, elevation, "elevation")):
+        if entry and not needed:
+            raise entry.error(f"stands without {name}; allowed: both")
+    if elevation:
+        spacing = in_unit(width, FINEST, COARSEST) if width else None
+        origin = in_metres(corner, ("x", "y")) if corner else None
+        grid, notes = read_elevation(folder / file_name(elevation), spacing, origin)
+        return {"elevation": grid, "notes": notes}
+    fields = {"slope": in_unit(slope, 0.0, STEEPEST)} if slope else {}
+    return fields | {"uphill_yaw": in_unit(uphill, -MOST_TURNED, MOST_TURNED)} if uphill else fields
 
 
-def _bounds(entries: Entries) -> Bounds | None:
-    entry = _find(entries, "bounds_m")
+def _bounds(entries: Entries) -> dict[str, Any]:
+    entry = find(entries, "bounds_m")
     if entry is None:
-        return None
+        return {}
     if "image" in entries or "elevation" in entries:
         raise entry.error("stands beside image or elevation, which have bounds; allowed: one of them")
-    size = accepted_keys(entry.key)[entry.key]
-    names = ("x_min", "y_min", "x_max", "y_max")
-    left, low, right, high = (size * value for value in numbers(entry, dict.fromkeys(names, PLACE)))
+    left, low, right, high = in_metres(entry, ("x_min", "y_min", "x_max", "y_max"))
     if not (left < right and low < high):
         raise entry.error("is empty; allowed: x_min below x_max, y_min below y_max")
-    return left, low, right, high
+    return {"bounds": (left, low, right, high)}
 
 
-def _misspelt(entries: Entries) -> Iterable[str]:
+def _named(entries: Entries, folder: Path) -> dict[str, Any]:
+    """Profiles by their names or as files, and the look-up table as a file."""
+    names = {key: file_name(entries[key]) for key in ("vehicle", "terrain", "lut") if key in entries}
+    return {key: name if key != "lut" and is_name(name) else str(folder / name) for key, name in names.items()}
+
+
+def _misspelt(entries: Entries) -> Iterator[str]:
     """A sentence for each key that is left alone but nearly one of ours."""
     for key, entry in entries.items():
         near = difflib.get_close_matches(key, PLAN_KEYS, n=1, cutoff=0.8)

@@ -1,76 +1,55 @@
-"""Occupancy from the image of a ROS map, as nav2's map_server reads it."""
+"""The keys of ROS maps and their image, as nav2's map_server reads them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
+from collections.abc import Mapping
+from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
+from trackctl.errors import MapError
+from trackctl.files.map_image import read_image
+from trackctl.files.map_keys import PLACE, file_name, numbers, ranged, truth
+from trackctl.files.shades import MapMode, Shades, occupancy_cells
+from trackctl.files.strict_yaml import Entry, plain_text
+from trackctl.planning.occupancy import GridFrame, Occupancy
 
-from trackctl.files.map_image import GreyImage
-from trackctl.planning.occupancy import OCCUPIED, UNKNOWN
+Entries = Mapping[str, Entry]
+
+FINEST, COARSEST = 1e-4, 1e4  # [m]
+#: What a map with an image must hold.
+IMAGE_KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thresh")
 
 
-class MapMode(StrEnum):
-    """How shades become occupancy."""
+def read_occupancy(entries: Entries, file: str, folder: Path) -> Occupancy | None:
+    """What the image of a map says; None where none of its keys is there but `resolution`.
 
-    TRINARY = "trinary"
-    SCALE = "scale"
-    RAW = "raw"
-
-
-@dataclass(frozen=True, slots=True)
-class Shades:
-    """How shades of grey are to be read.
-
-    Attributes
-    ----------
-    mode
-        See `occupancy_cells`.
-    negate
-        Whether white is occupied, not black.
-    occupied, free
-        From where on, and up to where, the darkness from 0 to 1 counts as such.
+    Raises
+    ------
+    MapError, ProfileError
+        If some of the keys are missing, or a value or the image is not allowed.
     """
-
-    mode: MapMode
-    negate: bool
-    occupied: float
-    free: float
-
-
-def occupancy_cells(image: GreyImage, shades: Shades) -> NDArray[np.int8]:
-    """Occupancy of each pixel, row 0 the lowest.
-
-    `TRINARY`: occupied, free, or between the two unknown. `SCALE`: between the two in percent of the way. `RAW`: the
-    shade itself, unknown above 100. What is not opaque is unknown but in `RAW`.
-
-    Returns
-    -------
-    ndarray of int8, shape (n_rows, n_columns)
-        -1 unknown, 0 free to 100 occupied.
-    """
-    grey = image.grey[::-1]
-    table = raw_table() if shades.mode is MapMode.RAW else shade_table(shades)
-    cells = table[grey]
-    if shades.mode is not MapMode.RAW:
-        cells[image.is_clear[::-1]] = UNKNOWN
-    return cells
+    missing = [key for key in IMAGE_KEYS if key not in entries]
+    if not set(IMAGE_KEYS) - set(missing) - {"resolution"}:
+        return None
+    if missing:
+        raise MapError(file, f"missing keys of a map with an image: {', '.join(missing)}")
+    shades = _shades(entries)
+    x, y, yaw = numbers(entries["origin"], {"x": PLACE, "y": PLACE, "yaw": (-1000.0, 1000.0)})
+    path = folder / file_name(entries["image"])
+    cells = occupancy_cells(read_image(path), shades)
+    n_rows, n_columns = cells.shape
+    return Occupancy(cells, GridFrame(n_rows, n_columns, cell_width(entries["resolution"]), x, y, yaw), str(path))
 
 
-def raw_table() -> NDArray[np.int8]:
-    """Occupancy of the 256 shades, taken as it."""
-    shade = np.arange(256)
-    return np.where(shade <= OCCUPIED, shade, UNKNOWN).astype(np.int8)
+def cell_width(entry: Entry) -> float:
+    """The width of a cell. [m]"""
+    return ranged(entry, FINEST, COARSEST)
 
 
-def shade_table(shades: Shades) -> NDArray[np.int8]:
-    """Occupancy of the 256 shades by their darkness."""
-    shade = np.arange(256)
-    # Divided last, so that a threshold such as 0.8 is met by 204/255 to the last bit.
-    darkness = (shade if shades.negate else 255 - shade) / 255
-    between = np.full(256, float(UNKNOWN))
-    if shades.mode is MapMode.SCALE and shades.occupied > shades.free:
-        between = np.floor(OCCUPIED * (darkness - shades.free) / (shades.occupied - shades.free) + 0.5)
-    return np.select((darkness >= shades.occupied, darkness <= shades.free), (OCCUPIED, 0), between).astype(np.int8)
+def _shades(entries: Entries) -> Shades:
+    mode = plain_text(entries["mode"]) if "mode" in entries else MapMode.TRINARY
+    if mode not in list(MapMode):
+        raise entries["mode"].error(f"{mode!r} is not allowed; allowed: {', '.join(MapMode)}", mode)
+    occupied, free = (ranged(entries[key], 0.0, 1.0) for key in ("occupied_thresh", "free_thresh"))
+    if free > occupied:
+        raise entries["free_thresh"].error(f"{free:g} is above occupied_thresh; allowed: up to {occupied:g}", free)
+    return Shades(MapMode(mode), truth(entries["negate"]), occupied, free)

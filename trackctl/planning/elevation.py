@@ -86,7 +86,8 @@ def fitted_slopes(elevation: Elevation, scale: float) -> SlopeField:
         _Window.of(scale, elevation.spacing_y, elevation.height.shape[0]),
         _Window.of(scale, elevation.spacing_x, elevation.height.shape[1]),
     )
-    gradient_x, gradient_y = _plane_gradient(known, np.where(known, elevation.height - mean, 0.0), windows)
+    with np.errstate(invalid="ignore"):  # far from all that is known
+        gradient_x, gradient_y = _plane_gradient(known, np.where(known, elevation.height - mean, 0.0), windows)
     return SlopeField(gradient_x, gradient_y, elevation.spacing_x, elevation.spacing_y, elevation.x, elevation.y)
 
 

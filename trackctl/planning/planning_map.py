@@ -25,7 +25,7 @@ Bounds = tuple[float, float, float, float]
 #: What a search can hold in memory: 4000 x 4000.
 MAX_CELLS = 16_000_000
 #: A map without an image: width of its cells at least, and cells along its longer side at most, unless told. [m]
-FINEST, MOST_CELLS_ALONG = 0.05, 2000
+FINEST, MOST_CELLS_ALONG = 0.05, 1000
 #: And the room left around its obstacles, start and goal: this part of their extent, and at least so much. [m]
 MARGIN, SMALLEST_MARGIN = 0.5, 10.0
 
@@ -142,7 +142,7 @@ def collision_grid(planning_map: PlanningMap, slopes: SlopeField, *, allow_unkno
     Raises
     ------
     MapError
-        See `grid_frame`.
+        See `grid_frame`; or if no cell lies on known ground of the elevation grid.
     """
     frame = grid_frame(planning_map)
     blocked = np.zeros((frame.n_rows, frame.n_columns), np.bool_)
@@ -154,7 +154,8 @@ def collision_grid(planning_map: PlanningMap, slopes: SlopeField, *, allow_unkno
         block_polygon(blocked, frame, polygon)
     if planning_map.elevation is not None:
         along = frame.resolution * math.cos(frame.yaw), frame.resolution * math.sin(frame.yaw)
-        _block_unknown_ground(blocked, slopes, (frame.x, frame.y), along)
+        if not _block_unknown_ground(blocked, slopes, (frame.x, frame.y), along):
+            raise _no_ground(planning_map, planning_map.elevation)
     return _with_distance(blocked, frame)
 
 
@@ -178,18 +179,31 @@ def _with_distance(blocked: NDArray[np.bool_], frame: GridFrame) -> CollisionGri
 @kernel
 def _block_unknown_ground(
     blocked: NDArray[np.bool_], slopes: SlopeField, corner: tuple[float, float], along: tuple[float, float]
-) -> None:
-    """Block the cells at whose centre no gradient is known, in place.
+) -> int:
+    """Block the cells at whose centre no gradient is known, in place; the number of the others comes back.
 
     `corner` is the lower left one of cell (0, 0), `along` the step from a column to the next. [m]
     """
     n_rows, n_columns = blocked.shape
+    known = 0
     for i in range(n_rows):
         for j in range(n_columns):
             x = corner[0] + along[0] * (j + 0.5) - along[1] * (i + 0.5)
             y = corner[1] + along[1] * (j + 0.5) + along[0] * (i + 0.5)
             if math.isnan(gradient_at(slopes, x, y)[0]):
                 blocked[i, j] = True
+            else:
+                known += 1
+    return known
+
+
+def _no_ground(planning_map: PlanningMap, elevation: Elevation) -> MapError:
+    left, low, right, high = elevation.bounds
+    return MapError(
+        planning_map.file,
+        f"no cell lies on known ground of {elevation.source}, which reaches from ({left:g}, {low:g}) to "
+        f"({right:g}, {high:g}) m; `elevation_origin_m: [x, y]` puts its lower left corner elsewhere",
+    )
 
 
 def _bounds(planning_map: PlanningMap) -> Bounds:
