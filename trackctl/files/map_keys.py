@@ -18,6 +18,7 @@ Range = tuple[float, float]
 FARTHEST = 1e8
 PLACE = (-FARTHEST, FARTHEST)
 MOST_TURNED = 10.0 * 360.0
+RADII = (1e-3, 1e6)
 MOST_OBSTACLES = 10_000
 OBSTACLES = "circles: [[x, y, radius], ...] and polygons: [[[x, y], [x, y], [x, y], ...], ...], in m"
 
@@ -116,18 +117,24 @@ def _parts(entry: Entry, kind: str, nodes: list[yaml.Node]) -> Iterator[Entry]:
 
 
 def _circle(entry: Entry) -> Circle:
-    return Circle(*numbers(entry, {"x_m": PLACE, "y_m": PLACE, "radius_m": (0.0, 1e6)}))
+    return Circle(*numbers(entry, {"x_m": PLACE, "y_m": PLACE, "radius_m": RADII}))
 
 
 def _polygon(entry: Entry) -> Polygon:
-    allowed = "three corners [x_m, y_m] or more"
-    corners = [
-        Entry(entry.file, node.start_mark.line + 1, entry.key, node) for node in _items(entry, entry.node, allowed)
-    ]
-    if len(corners) < 3:
-        raise entry.error(f"has {len(corners)} corners; allowed: {allowed}")
-    points = (numbers(corner, {"x_m": PLACE, "y_m": PLACE}) for corner in corners)
+    allowed = "three corners [x_m, y_m] or more, around an area"
+    nodes = _items(entry, entry.node, allowed)
+    corners = [Entry(entry.file, node.start_mark.line + 1, entry.key, node) for node in nodes]
+    points = [numbers(corner, {"x_m": PLACE, "y_m": PLACE}) for corner in corners]
+    if len(points) < 3 or not _span_an_area(points):
+        raise entry.error(f"has {len(points)} corners and no area; allowed: {allowed}")
     return tuple((x, y) for x, y in points)
+
+
+def _span_an_area(points: list[tuple[float, ...]]) -> bool:
+    """Whether the points are not all on one line."""
+    x, y = points[0]
+    far_x, far_y = max(points, key=lambda point: math.dist(point, points[0]))
+    return any((far_x - x) * (b - y) != (a - x) * (far_y - y) for a, b in points)
 
 
 def _items(entry: Entry, node: yaml.Node, allowed: str) -> list[yaml.Node]:

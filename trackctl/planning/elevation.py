@@ -14,7 +14,7 @@ from trackctl.profiles.footprint import Footprint
 Array = NDArray[np.float64]
 
 #: Weights beyond this many standard deviations are left out.
-REACH = 3.0
+REACH = 4.0
 #: A window narrower than the grid still weighs the neighbours: by exp(-2), its standard deviation in spacings being
 NARROWEST = 0.5
 #: Nodes in a window lie on one line where the determinant of their second moments is below this part of its largest.
