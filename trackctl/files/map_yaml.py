@@ -99,6 +99,6 @@ def _named(entries: Entries, folder: Path) -> dict[str, Any]:
 def _misspelt(entries: Entries) -> Iterator[str]:
     """A sentence for each key that is left alone but nearly one of ours."""
     for key, entry in entries.items():
-        near = difflib.get_close_matches(key, PLAN_KEYS, n=1, cutoff=0.8)
+        near = difflib.get_close_matches(key, PLAN_KEYS, n=1, cutoff=0.7)
         if near and key not in IMAGE_KEYS and key not in accepted_keys(near[0]):
             yield f"{entry.file}, line {entry.line}: {key} is no key of a plan and left alone; did you mean {near[0]}?"

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import io
 import math
+import struct
+import tokenize
+import warnings
 import zipfile
 import zlib
 from collections.abc import Mapping
@@ -23,7 +26,13 @@ Array = NDArray[np.float64]
 Arrays = Mapping[str, NDArray[np.generic]]
 
 LARGEST = 16 * MAX_NODES  # [bytes]
+MOST_ARRAYS = 16
 HEIGHTS = ("elevation", "height", "heights", "z", "dem")
+#: What zipfile and NumPy raise for a damaged file.
+DAMAGE = (
+    OSError, ValueError, LookupError, EOFError, NotImplementedError, RuntimeError, zipfile.BadZipFile, zlib.error,
+    struct.error,
+)  # fmt: skip
 #: Nodes may be off even spacing by this part of it.
 UNEVEN = 1e-3
 
@@ -54,8 +63,10 @@ def read_npz(path: Path) -> HeightGrid:
     try:
         with zipfile.ZipFile(io.BytesIO(read_bytes(path, LARGEST))) as archive:
             names = [name for name in archive.namelist() if name.endswith(".npy")]
-            arrays = {name.removesuffix(".npy"): _member(path, archive, name) for name in names[:100]}
-    except (zipfile.BadZipFile, zlib.error, NotImplementedError, RuntimeError, EOFError, OSError) as error:
+            if len(names) > MOST_ARRAYS:
+                raise MapError(path, f"holds {len(names)} arrays; allowed: up to {MOST_ARRAYS}")
+            arrays = {name.removesuffix(".npy"): _member(path, archive, name) for name in names}
+    except DAMAGE as error:
         raise MapError(path, f"is no .npz file: {error}") from error
     tables = [name for name, array in arrays.items() if array.ndim == 2]
     chosen = [name for name in HEIGHTS if name in tables] or tables
@@ -72,11 +83,12 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> NDArray[np.gener
 def _array(path: Path, stream: IO[bytes]) -> NDArray[np.generic]:
     """An array of numbers, its size looked at before room is made for it."""
     try:
-        version = npy.read_magic(stream)
-        read_header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, is_fortran, kind = read_header(stream)
-    except (ValueError, SyntaxError, TypeError, RecursionError, EOFError, KeyError) as error:
-        raise MapError(path, f"holds what is no NumPy array: {error}") from error
+        with warnings.catch_warnings(action="ignore"):
+            version = npy.read_magic(stream)
+            read_header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+            shape, is_fortran, kind = read_header(stream)
+    except (*DAMAGE, SyntaxError, TypeError, RecursionError, tokenize.TokenError) as error:
+        raise MapError(path, "holds what is no NumPy array") from error
     if kind.kind not in "iuf" or kind.itemsize > 8 or len(shape) > 2:
         raise MapError(path, f"holds an array of {kind} and shape {shape}; allowed: numbers in rows and columns")
     count = math.prod(shape)
