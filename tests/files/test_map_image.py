@@ -10,7 +10,7 @@ from trackctl.files.map_image import read_image
 GREY = np.arange(30, dtype=np.uint8).reshape(5, 6) * 8
 
 
-@pytest.mark.parametrize("ending", ["pgm", "png", "bmp", "tif", "gif"])
+@pytest.mark.parametrize("ending", ["pgm", "png", "bmp", "gif"])
 def test_grey_images_of_all_kinds(tmp_path, ending):
     path = tmp_path / f"map.{ending}"
     Image.fromarray(GREY).save(path)
@@ -82,8 +82,8 @@ def test_what_is_no_image_file(tmp_path):
     pipe = tmp_path / "pipe.pgm"
     os.mkfifo(pipe)
     assert "is no regular file" in refusal(pipe)
-    fractions = tmp_path / "fractions.tif"
-    Image.fromarray(np.ones((3, 3), np.float32)).save(fractions)
+    fractions = tmp_path / "fractions.pfm"
+    fractions.write_bytes(b"Pf\n1 1\n-1.0\n" + np.float32(0.5).tobytes())
     assert "holds fractions" in refusal(fractions)
 
 
@@ -103,7 +103,7 @@ def test_a_huge_image_is_refused_before_it_is_read(tmp_path, size):
     assert "allowed: up to 16000000" in refusal(path)
 
 
-@pytest.mark.parametrize("ending", ["pgm", "png", "bmp", "tif", "jpg"])
+@pytest.mark.parametrize("ending", ["pgm", "png", "bmp", "jpg"])
 def test_a_file_cut_short_or_damaged_reads_or_is_refused(tmp_path, ending):
     path = tmp_path / f"map.{ending}"
     Image.fromarray(GREY).save(path)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import logging
+import math
 import struct
+import warnings
 import zlib
 from pathlib import Path
 from typing import Any
@@ -10,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from trackctl.errors import MapError, MissingLibraryError
-from trackctl.files.height_grid import HeightGrid, check_size, known_heights
+from trackctl.files.height_grid import MAX_NODES, HeightGrid, check_size, known_heights
 from trackctl.files.regular_file import check_regular
 
 #: Tags of GeoTIFF 1.1 and, the last, of GDAL.
@@ -38,8 +41,10 @@ def read_geotiff(path: Path) -> HeightGrid:
     except ImportError as error:
         raise MissingLibraryError("tifffile", "reading GeoTIFF", "pip install 'trackctl[geo]'") from error
     check_regular(path)
+    # What it has to say of a damaged file, the error says.
+    logging.getLogger("tifffile").setLevel(logging.CRITICAL)
     try:
-        with tifffile.TiffFile(path) as tiff:
+        with warnings.catch_warnings(action="ignore"), tifffile.TiffFile(path) as tiff:
             return _grid(path, tiff.pages[0])
     except DAMAGE as error:
         raise MapError(path, f"cannot be read as a GeoTIFF: {str(error)[:200]}") from error
@@ -49,6 +54,8 @@ def _grid(path: Path, page: Any) -> HeightGrid:
     if page.samplesperpixel != 1 or page.dtype is None or page.dtype.kind not in "iuf" or page.imagedepth != 1:
         raise MapError(path, "is no image of one band of numbers; allowed: an elevation grid")
     check_size(path, page.imagelength, page.imagewidth)
+    if math.prod(page.chunks) > MAX_NODES:
+        raise MapError(path, f"is laid out in tiles of {page.chunks}; allowed: up to {MAX_NODES} heights each")
     tags = {code: page.tags[code].value for code in (PIXEL_SCALE, TIE_POINT, TRANSFORMATION, KEY_DIRECTORY, NODATA)
             if code in page.tags}  # fmt: skip
     keys = _directory(tags.get(KEY_DIRECTORY, ()))

@@ -19,7 +19,8 @@ from trackctl.planning.planning_map import MAX_CELLS
 if TYPE_CHECKING:
     from PIL.Image import Image
 
-FORMATS = ("PPM", "PNG", "BMP", "JPEG", "TIFF", "GIF")
+#: Not TIFF: its library writes what it thinks of a damaged file to stderr.
+FORMATS = ("PPM", "PNG", "BMP", "JPEG", "GIF")
 #: What the decoders raise for a damaged file.
 DAMAGE = (OSError, ValueError, SyntaxError, EOFError, LookupError, TypeError, OverflowError, struct.error, zlib.error)
 #: Shades of 16 bits to one of 8.
