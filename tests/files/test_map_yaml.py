@@ -137,12 +137,12 @@ def test_elevation_grids_beside_a_map(written):
     [
         ({"image": None}, "missing keys of a map with an image: image"),
         ({"negate": None, "origin": None}, "missing keys of a map with an image: origin, negate"),
-        ({"image": "nowhere.pgm"}, "nowhere.pgm: cannot be read: No such file or directory"),
+        ({"image": "nowhere.pgm"}, "/nowhere.pgm: cannot be read: No such file or directory"),
         ({"image": "."}, "is a folder; allowed: a file"),
         ({"image": "/dev/zero"}, "/dev/zero: is no regular file"),
         ({"image": '""'}, "line 1: image: is empty"),
         ({"image": '"a\\0b"'}, "line 1: image: "),
-        ({"image": "hill.asc"}, "hill.asc: is no image"),
+        ({"image": "hill.asc"}, "hill.asc: is no image; allowed: PPM"),
         ({"image": "[a, b]"}, "line 1: image: a list is no text"),
         ({"resolution": "0"}, "line 2: resolution: 0 is not allowed; allowed: 0.0001 to 10000"),
         ({"resolution": "-0.05"}, "line 2: resolution: -0.05 is not allowed"),
@@ -194,7 +194,8 @@ def test_what_is_not_allowed_is_refused_by_name(written, changes, words):
         read_planning_map(path)
     assert words in str(error.value)
     assert "\n" not in str(error.value)
-    assert str(Path(path).parent) in str(error.value) or "/dev/zero" in words
+    assert str(error.value).startswith(path)
+    assert ", line " in str(error.value) or "missing keys" in words
 
 
 @pytest.mark.parametrize(

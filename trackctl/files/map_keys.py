@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
 import yaml
 
+from trackctl.errors import MapError
 from trackctl.files.strict_yaml import Entry, number, plain_text
 from trackctl.geometry.circle import Circle
 from trackctl.planning.obstacles import Polygon
@@ -93,6 +95,15 @@ def file_name(entry: Entry) -> str:
     if not name.strip() or "\0" in name:
         raise entry.error("is empty; allowed: the name of a file", name)
     return name
+
+
+@contextlib.contextmanager
+def named_by(entry: Entry) -> Iterator[None]:
+    """Say of an error in a file by which entry the file is named."""
+    try:
+        yield
+    except MapError as error:
+        raise entry.error(str(error), entry.node.value) from error
 
 
 def obstacles(entry: Entry) -> tuple[tuple[Circle, ...], tuple[Polygon, ...]]:

@@ -10,7 +10,7 @@ from typing import Any
 
 from trackctl.errors import MapError, ProfileError
 from trackctl.files.elevation_file import read_elevation
-from trackctl.files.map_keys import file_name, find, in_metres, in_unit, obstacles, pose, tolerance
+from trackctl.files.map_keys import file_name, find, in_metres, in_unit, named_by, obstacles, pose, tolerance
 from trackctl.files.profile_folders import is_name
 from trackctl.files.ros_map import COARSEST, FINEST, IMAGE_KEYS, Entries, cell_width, read_occupancy
 from trackctl.files.strict_yaml import STDIN, read_entries, read_text
@@ -72,7 +72,8 @@ def _ground(entries: Entries, folder: Path) -> dict[str, Any]:
     if elevation:
         spacing = in_unit(width, FINEST, COARSEST) if width else None
         origin = in_metres(corner, ("x", "y")) if corner else None
-        grid, notes = read_elevation(folder / file_name(elevation), spacing, origin)
+        with named_by(elevation):
+            grid, notes = read_elevation(folder / file_name(elevation), spacing, origin)
         return {"elevation": grid, "notes": notes}
     fields = {"slope": in_unit(slope, 0.0, STEEPEST)} if slope else {}
     return fields | {"uphill_yaw": in_unit(uphill, -MOST_TURNED, MOST_TURNED)} if uphill else fields

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trackctl.errors import MapError
 from trackctl.files.map_image import read_image
-from trackctl.files.map_keys import PLACE, file_name, numbers, ranged, truth
+from trackctl.files.map_keys import PLACE, file_name, named_by, numbers, ranged, truth
 from trackctl.files.shades import MapMode, Shades, occupancy_cells
 from trackctl.files.strict_yaml import Entry, plain_text
 from trackctl.planning.occupancy import GridFrame, Occupancy
@@ -35,7 +35,8 @@ def read_occupancy(entries: Entries, file: str, folder: Path) -> Occupancy | Non
     shades = _shades(entries)
     x, y, yaw = numbers(entries["origin"], {"x": PLACE, "y": PLACE, "yaw": (-1000.0, 1000.0)})
     path = folder / file_name(entries["image"])
-    cells = occupancy_cells(read_image(path), shades)
+    with named_by(entries["image"]):
+        cells = occupancy_cells(read_image(path), shades)
     n_rows, n_columns = cells.shape
     return Occupancy(cells, GridFrame(n_rows, n_columns, cell_width(entries["resolution"]), x, y, yaw), str(path))
 
