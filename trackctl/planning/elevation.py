@@ -108,26 +108,34 @@ class _Window:
 
 def _plane_gradient(known: NDArray[np.bool_], height: Array, windows: tuple[_Window, _Window]) -> tuple[Array, Array]:
     """Slopes of the planes by the normal equations about each window's mean."""
-    mask = known.astype(np.float64)
-    total = _moment(mask, windows, 0, 0)
-    x, y, h = (
-        moment / total
-        for moment in (_moment(mask, windows, 1, 0), _moment(mask, windows, 0, 1), _moment(height, windows, 0, 0))
-    )
-    xx = _moment(mask, windows, 2, 0) / total - x * x
-    xy = _moment(mask, windows, 1, 1) / total - x * y
-    yy = _moment(mask, windows, 0, 2) / total - y * y
-    xh = _moment(height, windows, 1, 0) / total - x * h
-    yh = _moment(height, windows, 0, 1) / total - y * h
+    total, x, y, xx, xy, yy = _known_moments(known, windows)
+    h, xh, yh = _moments(height, windows, ((0, 0), (1, 0), (0, 1)))
+    xx, xy, yy = xx - x * x / total, xy - x * y / total, yy - y * y / total
+    xh, yh = xh - x * h / total, yh - y * h / total
     determinant = xx * yy - xy * xy
     determinant[~known | (determinant <= COLLINEAR * xx * yy)] = np.nan
     return (yy * xh - xy * yh) / determinant, (xx * yh - xy * xh) / determinant
 
 
-def _moment(values: Array, windows: tuple[_Window, _Window], power_x: int, power_y: int) -> Array:
-    """Weighted sum about each node of the values times powers of the distances along x and y."""
+def _known_moments(known: NDArray[np.bool_], windows: tuple[_Window, _Window]) -> list[Array]:
+    """Those of the known nodes alone, of the powers (0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2) of x and y."""
+    powers = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    if not known.all():
+        return _moments(known.astype(np.float64), windows, powers)
+    along_y, along_x = (
+        [_weighed(np.ones(count), window, power, 0) for power in range(3)]
+        for window, count in zip(windows, known.shape, strict=True)
+    )
+    return [np.multiply.outer(along_y[power_y], along_x[power_x]) for power_x, power_y in powers]
+
+
+def _moments(values: Array, windows: tuple[_Window, _Window], powers: tuple[tuple[int, int], ...]) -> list[Array]:
+    """Weighted sums about each node of the values times powers of the distances along x and y."""
+    along_x = {power: _weighed(values, windows[1], power, 1) for power in {power_x for power_x, _ in powers}}
+    return [_weighed(along_x[power_x], windows[0], power_y, 0) for power_x, power_y in powers]
+
+
+def _weighed(values: Array, window: _Window, power: int, axis: int) -> Array:
     from scipy.ndimage import correlate1d
 
-    for axis, (window, power) in enumerate(zip(windows, (power_y, power_x), strict=True)):
-        values = correlate1d(values, window.weight * window.distance**power, axis=axis, mode="constant")
-    return values
+    return correlate1d(values, window.weight * window.distance**power, axis=axis, mode="constant")
