@@ -264,3 +264,15 @@ def test_a_map_that_is_not_permitted(written):
     path.chmod(0)
     with pytest.raises(MapError, match="Permission denied"):
         read_planning_map(str(path))
+
+
+def test_the_map_of_the_readme_reads(written):
+    section = (DATA.parent.parent.parent / "README.md").read_text().partition("## Maps")[2]
+    text = section.partition("```yaml\n")[2].partition("```")[0]
+    one_ground = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("elevation"))
+    found = read_planning_map(written({}, one_ground))
+    assert (found.vehicle, len(found.circles), len(found.polygons), found.notes) == ("utv-61cm", 1, 1, ())
+    other_ground = "".join(
+        line for line in text.splitlines(keepends=True) if not line.startswith(("slope", "uphill", "bounds"))
+    )
+    assert read_planning_map(written({}, other_ground)).elevation.spacing_x == 0.5
