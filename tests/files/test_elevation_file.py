@@ -172,6 +172,13 @@ def test_what_is_no_npz_of_heights_is_refused(tmp_path, arrays, words):
     assert words in refusal(path)
 
 
+def test_a_signalling_nan_is_unknown_without_a_warning(tmp_path):
+    bits = HEIGHTS.astype("<f4").view("<u4")
+    bits[0, 0] = 0x7F800001
+    elevation, _ = read_elevation(archive(tmp_path, z=bits.view("<f4"), resolution=1.0))
+    assert np.isnan(elevation.height).sum() == 1
+
+
 def test_a_header_that_promises_too_much_takes_no_memory(tmp_path):
     stream = io.BytesIO()
     np.lib.format.write_array_header_1_0(stream, {"descr": "<f8", "fortran_order": False, "shape": (10**6, 10**6)})

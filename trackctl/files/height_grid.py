@@ -54,7 +54,8 @@ def known_heights(path: Path, values: NDArray[np.generic], nodata: float | None)
     MapError
         If there is a height beyond `HIGHEST`, or none at all.
     """
-    heights = values.astype(np.float64)
+    with np.errstate(invalid="ignore"):  # a damaged float may be a signalling NaN
+        heights = values.astype(np.float64)
     heights[~np.isfinite(heights)] = np.nan
     if nodata is not None and np.isfinite(nodata):
         # Files state it in fewer digits than their heights have.
