@@ -80,6 +80,17 @@ def inlined(function: Kernel) -> Kernel:
     return cast("Kernel", compiled)
 
 
+def borrowing_kernel(function: Kernel) -> Kernel:
+    """Compile a function that allocates nothing, nor calls any that does: as `kernel`, without reference counts.
+
+    Where small kernels hand each other tuples of arrays, counting references takes most of the time.
+    """
+    with cached_in_kernel_folder():
+        options: Any = {"_nrt": False}  # not in numba's type hints
+        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **options)(function)
+    return cast("Kernel", compiled)
+
+
 def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
     """Compile a function once, for kernels that call it by address.
 

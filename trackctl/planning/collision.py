@@ -12,15 +12,18 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import Footprint
 
 Array = NDArray[np.float64]
+Counts = NDArray[np.int32]
 
 HALF_DIAGONAL = math.sqrt(0.5)
 #: Growth of the footprint above which a scan costs more than the steps it spares, in cells.
 COARSEST_SCAN = 8.0
+#: Growth of the footprint that can be scanned at all, over its reach.
+LARGEST_GROWTH = 2.0
 TINY = 1e-12
 #: A row that no cell has.
 NOWHERE = -(2**31)
@@ -41,11 +44,11 @@ class Obstacles(NamedTuple):
         Kept between footprint and blocked cells. [m]
     footprint
         Of the vehicle.
-    lines
-        Work space: the edges of a part in the grid's frame, shape (n_vertices, 3).
+    spans
+        Work space: first and last column of a part in each of its rows, shape (2, n).
     """
 
-    before: NDArray[np.int32]
+    before: Counts
     distance: Array
     resolution: float
     x: float
@@ -54,7 +57,7 @@ class Obstacles(NamedTuple):
     sin_yaw: float
     margin: float
     footprint: Footprint
-    lines: Array
+    spans: Array
 
 
 def obstacles_of(grid: CollisionGrid, footprint: Footprint, margin: float = 0.0) -> Obstacles:
@@ -74,10 +77,11 @@ def obstacles_of(grid: CollisionGrid, footprint: Footprint, margin: float = 0.0)
     np.cumsum(grid.blocked, axis=1, out=before[:, 1:])
     frame = (float(grid.resolution), float(grid.x), float(grid.y), float(grid.cos_yaw), float(grid.sin_yaw))
     distance = np.ascontiguousarray(grid.distance, dtype=np.float64)
-    return Obstacles(before, distance, *frame, float(margin), footprint, np.empty_like(footprint.edges))
+    tallest = 2.0 * ((1.0 + LARGEST_GROWTH) * footprint.reach + margin) / grid.resolution
+    return Obstacles(before, distance, *frame, float(margin), footprint, np.empty((2, math.ceil(tallest) + 4)))
 
 
-@kernel
+@borrowing_kernel
 def cell_position(obstacles: Obstacles, x: float, y: float) -> tuple[float, float]:
     """Column and row of a point, with fractions: a cell's centre lies at halves. [cells]"""
     dx, dy = x - obstacles.x, y - obstacles.y
@@ -85,7 +89,7 @@ def cell_position(obstacles: Obstacles, x: float, y: float) -> tuple[float, floa
     return column, (obstacles.cos_yaw * dy - obstacles.sin_yaw * dx) / obstacles.resolution
 
 
-@kernel
+@borrowing_kernel
 def free_radius(obstacles: Obstacles, column: float, row: float) -> float:
     """Distance from a point to the nearest blocked square, or less; not above 0 outside the grid. [m]"""
     n_rows, n_columns = obstacles.distance.shape
@@ -96,7 +100,7 @@ def free_radius(obstacles: Obstacles, column: float, row: float) -> float:
     return float(obstacles.distance[i, j]) - off * obstacles.resolution
 
 
-@kernel
+@borrowing_kernel
 def disc_clearance(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: float) -> float:
     """Distance from the footprint to the nearest blocked square, or less; negative where discs do not tell. [m]"""
     discs = obstacles.footprint.discs
@@ -110,19 +114,7 @@ def disc_clearance(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin
     return clearance
 
 
-@kernel
-def _turn_edges(obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float) -> None:
-    """Edges of a part in the grid's frame, in cells, moved out by half a cell: a square touches if its centre is in."""
-    edges, lines = obstacles.footprint.edges, obstacles.lines
-    for i in range(obstacles.footprint.first[part], obstacles.footprint.first[part + 1]):
-        normal_x = cos_yaw * edges[i, 0] - sin_yaw * edges[i, 1]
-        normal_y = sin_yaw * edges[i, 0] + cos_yaw * edges[i, 1]
-        lines[i, 0], lines[i, 1] = normal_x, normal_y
-        lines[i, 2] = edges[i, 2] / obstacles.resolution + normal_x * column + normal_y * row
-        lines[i, 2] += 0.5 * (abs(normal_x) + abs(normal_y))
-
-
-@kernel
+@borrowing_kernel
 def _bounds(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float
 ) -> tuple[float, float, float, float]:
@@ -136,34 +128,62 @@ def _bounds(
     return left, right, low, high
 
 
-@kernel
-def _row_is_clear(obstacles: Obstacles, row: int, first: float, last: float) -> bool:
+@borrowing_kernel
+def _row_is_clear(before: Counts, row: int, first: float, last: float) -> bool:
     """Whether no blocked cell of a row has its centre between two columns; there are none outside the grid."""
-    n_rows, n_columns = obstacles.distance.shape
     start, stop = math.ceil(first - 0.5), math.floor(last - 0.5)
     if start > stop:
         return True
-    if row < 0 or row >= n_rows or start < 0 or stop >= n_columns:
+    if row < 0 or row >= before.shape[0] or start < 0 or stop >= before.shape[1] - 1:
         return False
-    return bool(obstacles.before[row, stop + 1] == obstacles.before[row, start])
+    return bool(before[row, stop + 1] == before[row, start])
 
 
-@kernel
-def _span(obstacles: Obstacles, part: int, row: int, left: float, right: float, growth: float) -> tuple[float, float]:
-    """First and last column of a grown part in a row, its edges turned: the first is greater outside. [cells]"""
-    lines = obstacles.lines
-    for k in range(obstacles.footprint.first[part], obstacles.footprint.first[part + 1]):
-        rest = lines[k, 2] + growth - lines[k, 1] * (row + 0.5)
-        if lines[k, 0] > TINY:
-            right = min(right, rest / lines[k, 0])
-        elif lines[k, 0] < -TINY:
-            left = max(left, rest / lines[k, 0])
-        elif rest < 0.0:
-            right = -np.inf
-    return left, right
+@borrowing_kernel
+def _cut_spans(first: Array, last: Array, normal_x: float, normal_y: float, offset: float, row: float) -> None:
+    """Cut spans of columns, one for each row of cells from the given centre on, to the inside of an edge. [cells]"""
+    n_rows = first.size
+    if abs(normal_x) < TINY:
+        for i in range(n_rows):
+            if normal_y * (row + i) > offset:
+                last[i] = -np.inf
+        return
+    at, slope = (offset - normal_y * row) / normal_x, normal_y / normal_x
+    if normal_x > 0.0:
+        for i in range(n_rows):
+            last[i] = min(last[i], at - slope * i)
+    else:
+        for i in range(n_rows):
+            first[i] = max(first[i], at - slope * i)
 
 
-@kernel
+@borrowing_kernel
+def _lay_down(
+    obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float, growth: float
+) -> tuple[int, int]:
+    """Fill `spans` with the columns of a convex part grown by some cells and a half; its rows, the end excluded.
+
+    The sum of a convex polygon and a square has the edges of both: it touches a blocked square where the square's
+    centre lies inside.
+    """
+    left, right, low, high = _bounds(obstacles, part, column, row, cos_yaw, sin_yaw)
+    grown = growth + 0.5
+    start, stop = math.ceil(low - grown - 0.5), math.floor(high + grown - 0.5) + 1
+    count = max(0, stop - start)
+    first, last = obstacles.spans[0, :count], obstacles.spans[1, :count]
+    first[:] = left - grown
+    last[:] = right + grown
+    edges = obstacles.footprint.edges
+    for i in range(obstacles.footprint.first[part], obstacles.footprint.first[part + 1]):
+        normal_x = cos_yaw * edges[i, 0] - sin_yaw * edges[i, 1]
+        normal_y = sin_yaw * edges[i, 0] + cos_yaw * edges[i, 1]
+        offset = edges[i, 2] / obstacles.resolution + normal_x * column + normal_y * row
+        offset += growth + 0.5 * (abs(normal_x) + abs(normal_y))
+        _cut_spans(first, last, normal_x, normal_y, offset, start + 0.5)
+    return start, start + count
+
+
+@borrowing_kernel
 def _first_touched(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float, growth: float
 ) -> tuple[int, float, float]:
@@ -174,21 +194,20 @@ def _first_touched(
     tuple
         The row, `NOWHERE` if the part is clear, and the first and last column of the part there.
     """
-    left, right, low, high = _bounds(obstacles, part, column, row, cos_yaw, sin_yaw)
-    _turn_edges(obstacles, part, column, row, cos_yaw, sin_yaw)
-    grown = growth + 0.5
-    for i in range(math.ceil(low - grown - 0.5), math.floor(high + grown - 0.5) + 1):
-        first, last = _span(obstacles, part, i, left - grown, right + grown, growth)
-        if not _row_is_clear(obstacles, i, first, last):
-            return i, first, last
+    start, stop = _lay_down(obstacles, part, column, row, cos_yaw, sin_yaw, growth)
+    before, spans = obstacles.before, obstacles.spans
+    for i in range(start, stop):
+        if not _row_is_clear(before, i, spans[0, i - start], spans[1, i - start]):
+            return i, spans[0, i - start], spans[1, i - start]
     return NOWHERE, 0.0, 0.0
 
 
-@kernel
+@borrowing_kernel
 def is_clear(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: float, growth: float) -> bool:
     """Whether the footprint, grown on all sides by its margin and some more, touches no blocked square.
 
-    Corners are grown as mitres: what is called clear is so by the round measure too.
+    Corners are grown as mitres: what is called clear is so by the round measure too. Growth by more than twice the
+    footprint's reach is never called clear.
 
     Parameters
     ----------
@@ -201,6 +220,8 @@ def is_clear(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: 
     growth
         Beyond the margin. [m]
     """
+    if growth > LARGEST_GROWTH * obstacles.footprint.reach:
+        return False
     column, row = cell_position(obstacles, x, y)
     grid_cos = cos_yaw * obstacles.cos_yaw + sin_yaw * obstacles.sin_yaw
     grid_sin = sin_yaw * obstacles.cos_yaw - cos_yaw * obstacles.sin_yaw
@@ -211,7 +232,7 @@ def is_clear(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: 
     return True
 
 
-@kernel
+@borrowing_kernel
 def touched_cell(obstacles: Obstacles, x: float, y: float, yaw: float) -> tuple[int, int]:
     """Row and column of a blocked square that the footprint with its margin touches, perhaps one outside the grid.
 
@@ -226,13 +247,13 @@ def touched_cell(obstacles: Obstacles, x: float, y: float, yaw: float) -> tuple[
         i, first, last = _first_touched(obstacles, part, column, row, grid_cos, grid_sin, cells)
         if i != NOWHERE:
             j = math.ceil(first - 0.5)
-            while _row_is_clear(obstacles, i, j + 0.5, j + 0.5) and j < last:
+            while _row_is_clear(obstacles.before, i, j + 0.5, j + 0.5) and j < last:
                 j += 1
             return i, j
     return NOWHERE, 0
 
 
-@kernel
+@borrowing_kernel
 def cleared_movement(obstacles: Obstacles, x: float, y: float, yaw: float, wanted: float) -> float:
     """How far each point of the footprint may move from a pose without touching, as far as is quickly told.
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import borrowing_kernel
 from trackctl.planning.dubins import WORD_COUNT, WORDS, dubins_word, seen_from
 from trackctl.planning.pieces import Task, Way, way_cost, way_is_free
 
 Array = NDArray[np.float64]
 
 
-@kernel
+@borrowing_kernel
 def _write_dubins(way: Way, radius: float, word: int, pieces: tuple[float, float, float]) -> None:
     for i in range(3):
         way.curvature[i] = WORDS[word, i] / radius
@@ -20,7 +20,20 @@ def _write_dubins(way: Way, radius: float, word: int, pieces: tuple[float, float
         way.pivot[i] = 0.0
 
 
-@kernel
+@borrowing_kernel
+def connect(
+    task: Task,
+    start: tuple[float, float, float, int],
+    end: tuple[float, float, float],
+    radius: float,
+    bound: float,
+    way: Way,
+) -> tuple[float, int]:
+    """The cheapest free way between two poses that the vehicle's gears allow; as `connect_dubins`."""
+    return connect_dubins(task, start, end, radius, bound, way)
+
+
+@borrowing_kernel
 def connect_dubins(
     task: Task,
     start: tuple[float, float, float, int],

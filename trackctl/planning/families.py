@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import kernel
+from trackctl.compiled import borrowing_kernel
 from trackctl.planning.dubins import seen_from
 from trackctl.planning.pieces import Way
 
@@ -20,13 +20,13 @@ FULL_CIRCLE = 2.0 * math.pi
 STRAIGHT = 1e-9
 
 
-@kernel
+@borrowing_kernel
 def _turned(angle: float) -> float:
     """The angle's equal in [0, 2 pi). [rad]"""
     return angle - FULL_CIRCLE * math.floor(angle / FULL_CIRCLE)
 
 
-@kernel
+@borrowing_kernel
 def single_arc(x: float, y: float) -> tuple[float, float]:
     """Curvature and length of the arc through the origin, along x there, and a point. [1/m], [m]"""
     squared = x * x + y * y
@@ -36,7 +36,7 @@ def single_arc(x: float, y: float) -> tuple[float, float]:
     return curvature, 2.0 * math.atan2(y, x) / curvature
 
 
-@kernel
+@borrowing_kernel
 def arc_and_straight(x: float, y: float, side: float) -> tuple[float, float]:
     """Turned angle and length of the straight to a point, lengths in radii; infinite inside the turning circle.
 
@@ -55,7 +55,7 @@ def arc_and_straight(x: float, y: float, side: float) -> tuple[float, float]:
     return _turned(side * heading), straight
 
 
-@kernel
+@borrowing_kernel
 def two_arcs(x: float, y: float, side: float) -> tuple[float, float]:
     """Angles of an arc and an opposite one to a point; infinite where it is out of reach.
 
@@ -86,7 +86,7 @@ def two_arcs(x: float, y: float, side: float) -> tuple[float, float]:
     return found
 
 
-@kernel
+@borrowing_kernel
 def way_to_point(
     x: float, y: float, tangent: float, point_x: float, point_y: float, radius: float, way: Way
 ) -> tuple[float, int]:
@@ -130,7 +130,7 @@ def way_to_point(
     return shortest * radius, count
 
 
-@kernel
+@borrowing_kernel
 def distance_to_point(x: float, y: float, tangent: float, point_x: float, point_y: float, radius: float) -> float:
     """Length of the shortest of CS and CC to a point. [m]"""
     local_x, local_y, _ = seen_from(x, y, tangent, point_x, point_y, 0.0, radius)

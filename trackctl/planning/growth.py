@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision import cell_position, free_radius
 from trackctl.planning.connection import connect_dubins
 from trackctl.planning.families import way_to_point
@@ -43,7 +43,9 @@ class Growth(NamedTuple):
     way, shot
         Work space: an extension, and a connection to the goal.
     best
-        Cost of the best solution, shape (1,).
+        Cost of the best solution of this tree, shape (1,).
+    bound
+        Cost that a node's way to the goal must be able to stay below, shape (1,).
     last
         Node that the best solution leaves the tree at, -1 without one, and the number of pieces from there.
     solution
@@ -56,33 +58,39 @@ class Growth(NamedTuple):
     way: Way
     shot: Way
     best: Array
+    bound: Array
     last: NDArray[np.int64]
     solution: Way
 
 
-@kernel
-def _draw_point(task: Task, growth: Growth) -> tuple[float, float]:
-    """A point of the map that the mass centre might be at."""
-    obstacles, stream = task.obstacles, growth.stream
+@borrowing_kernel
+def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
+    """A point that the mass centre might be at, on a way straight to it and on that is short enough."""
+    obstacles, stream, goal = task.obstacles, growth.stream, growth.goal
     n_rows, n_columns = obstacles.distance.shape
-    x, y = growth.goal[0], growth.goal[1]
+    longest = growth.bound[0] / task.ground.forward.least_rate
+    x, y = goal[0], goal[1]
     about_goal = uniform(stream) < GOAL_SHARE
     for _ in range(TRIES):
         if about_goal:
-            x = growth.goal[0] + growth.reach * between(stream, -1.0, 1.0)
-            y = growth.goal[1] + growth.reach * between(stream, -1.0, 1.0)
+            x, y = (
+                goal[0] + growth.reach * between(stream, -1.0, 1.0),
+                goal[1] + growth.reach * between(stream, -1.0, 1.0),
+            )
         else:
             column = n_columns * uniform(stream) * obstacles.resolution
             row = n_rows * uniform(stream) * obstacles.resolution
             x = obstacles.x + obstacles.cos_yaw * column - obstacles.sin_yaw * row
             y = obstacles.y + obstacles.sin_yaw * column + obstacles.cos_yaw * row
+        if math.hypot(x - tree.x[0], y - tree.y[0]) + math.hypot(x - goal[0], y - goal[1]) > longest:
+            continue
         at_column, at_row = cell_position(obstacles, x, y)
         if free_radius(obstacles, at_column, at_row) > 0.0:
             break
     return x, y
 
 
-@kernel
+@borrowing_kernel
 def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) -> tuple[float, int]:
     """Shorten pieces from a node to what is free and to a length in all; that length and what is left of the pieces."""
     x, y, tangent = tree.x[node], tree.y[node], tree.tangent[node]
@@ -100,7 +108,7 @@ def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) 
     return total, count
 
 
-@kernel
+@borrowing_kernel
 def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
     """Add a node on the way from the nearest one to a point; -1 if there is no way."""
     radius = task.radii[min(int(uniform(growth.stream) * task.radii.size), task.radii.size - 1)]
@@ -115,16 +123,25 @@ def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
         return -1
     start = tree.x[node], tree.y[node], tree.tangent[node]
     cost = way_cost(task, start[0], start[1], start[2], tree.gear[node], growth.way, count, np.inf)
-    return -1 if cost == np.inf else add_node(tree, node, growth.way, count, cost)
+    if not tree.cost[node] + cost < growth.bound[0]:
+        return -1
+    return add_node(tree, node, growth.way, count, cost)
 
 
-@kernel
+@borrowing_kernel
+def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
+    """Bound of the cost from start to goal past a node: straight on from there."""
+    distance = math.hypot(growth.goal[0] - tree.x[node], growth.goal[1] - tree.y[node])
+    return float(tree.cost[node] + distance * task.ground.forward.least_rate)
+
+
+@borrowing_kernel
 def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
     """Connect a node to the goal exactly, if that makes a better solution."""
     found = False
     start = tree.x[node], tree.y[node], tree.tangent[node], tree.gear[node]
     for radius in task.radii:
-        bound = growth.best[0] - tree.cost[node]
+        bound = min(growth.best[0], growth.bound[0]) - tree.cost[node]
         cost, count = connect_dubins(task, start, growth.goal, radius, bound, growth.shot)
         if cost < bound:
             found = True
@@ -137,7 +154,7 @@ def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
     return found
 
 
-@kernel
+@borrowing_kernel
 def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, bool]:
     """Grow the tree until there is a better solution.
 
@@ -147,13 +164,12 @@ def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, 
         Iterations done, and whether the last one found a better solution.
     """
     for iteration in range(iterations):
-        x, y = _draw_point(task, growth)
+        x, y = _draw_point(task, tree, growth)
         node = extend(task, tree, growth, x, y)
         if node < 0:
             continue
-        dx, dy = growth.goal[0] - tree.x[node], growth.goal[1] - tree.y[node]
-        if tree.cost[node] + math.hypot(dx, dy) * task.ground.forward.least_rate < growth.best[0] and shoot(
-            task, tree, growth, node
-        ):
+        if least_cost(task, tree, growth, node) >= growth.bound[0]:
+            tree.size[0] -= 1
+        elif shoot(task, tree, growth, node):
             return iteration + 1, True
     return iterations, False

@@ -8,8 +8,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
-from trackctl.planning.collision import Obstacles, cleared_movement, disc_clearance, is_clear
+from trackctl.compiled import borrowing_kernel
+from trackctl.planning.collision import (
+    HALF_DIAGONAL,
+    Obstacles,
+    cell_position,
+    cleared_movement,
+    disc_clearance,
+    is_clear,
+)
 from trackctl.planning.ground import Ground, Motion, rate_at
 from trackctl.planning.pose import advanced
 
@@ -22,7 +29,7 @@ COST_STEP = 0.2
 #: First step of a sweep whose start is too near an obstacle for the discs, in cells.
 FIRST_STEP = 2.0
 #: Movement between two checks below which a sweep gives up, in cells: that near an obstacle it counts as touching.
-FINEST_STEP = 0.1
+FINEST_STEP = 0.2
 #: Between two checks of a turn on the spot, as movement of the farthest vertex, in cells.
 PIVOT_STEP = 0.5
 
@@ -62,6 +69,8 @@ class Task(NamedTuple):
         Cost of turning on the spot by a radian; infinite where it cannot. [1/rad]
     can_reverse
         Whether there is a reverse gear.
+    inner_radius
+        Of the largest disc about the mass centre within the footprint. [m]
     """
 
     obstacles: Obstacles
@@ -70,6 +79,7 @@ class Task(NamedTuple):
     gear_change: float
     pivot_rate: float
     can_reverse: bool
+    inner_radius: float
 
 
 def new_way(count: int = MOST_PIECES) -> Way:
@@ -77,7 +87,7 @@ def new_way(count: int = MOST_PIECES) -> Way:
     return Way(*(np.zeros(count) for _ in range(3)))
 
 
-@kernel
+@borrowing_kernel
 def gear_of(length: float, before: int) -> int:
     """1 forwards, -1 backwards, and what it was where nothing is driven."""
     if length == 0.0:
@@ -85,7 +95,7 @@ def gear_of(length: float, before: int) -> int:
     return 1 if length > 0.0 else -1
 
 
-@kernel
+@borrowing_kernel
 def motion_in(task: Task, length: float) -> Motion:
     """Tables of the gear that a piece is driven in."""
     if length < 0.0:
@@ -93,7 +103,7 @@ def motion_in(task: Task, length: float) -> Motion:
     return task.ground.forward
 
 
-@kernel
+@borrowing_kernel
 def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
     """Cost of an arc or a straight, by the midpoint rule; infinite where it cannot be driven."""
     if length == 0.0:
@@ -111,7 +121,7 @@ def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float,
     return float(total * abs(step))
 
 
-@kernel
+@borrowing_kernel
 def free_length(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
     """How far an arc or a straight can be driven before the footprint touches; all in between is clear.
 
@@ -157,7 +167,7 @@ def free_length(task: Task, x: float, y: float, tangent: float, curvature: float
     return total
 
 
-@kernel
+@borrowing_kernel
 def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> bool:
     """Whether the body can turn on the spot by an angle without touching."""
     obstacles = task.obstacles
@@ -170,7 +180,7 @@ def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> b
     return True
 
 
-@kernel
+@borrowing_kernel
 def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way, count: int, bound: float) -> float:
     """Cost of driving some pieces, obstacles left aside; infinite where that cannot be or costs the bound or more."""
     total = 0.0
@@ -190,9 +200,32 @@ def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way
     return total
 
 
-@kernel
+@borrowing_kernel
+def is_hopeless(task: Task, x: float, y: float, tangent: float, way: Way, count: int) -> bool:
+    """Whether the footprint surely touches somewhere along some pieces: a coarse look, before the sweep."""
+    obstacles = task.obstacles
+    radius = task.inner_radius + obstacles.margin - HALF_DIAGONAL * obstacles.resolution
+    n_rows, n_columns = obstacles.distance.shape
+    for i in range(count):
+        length = way.length[i]
+        steps = int(abs(length) / task.radii[0]) + 1
+        for k in range(1, steps + 1 if length != 0.0 else 1):
+            at_x, at_y, _ = advanced(x, y, tangent, way.curvature[i], length * k / steps)
+            column, row = cell_position(obstacles, at_x, at_y)
+            if not (0.0 <= column < n_columns and 0.0 <= row < n_rows):
+                return True
+            if obstacles.distance[int(row), int(column)] < radius:
+                return True
+        x, y, tangent = advanced(x, y, tangent, way.curvature[i], length)
+        tangent += way.pivot[i]
+    return False
+
+
+@borrowing_kernel
 def way_is_free(task: Task, x: float, y: float, tangent: float, way: Way, count: int) -> bool:
     """Whether some pieces can be driven from a clear pose without touching."""
+    if is_hopeless(task, x, y, tangent, way, count):
+        return False
     for i in range(count):
         curvature, length = way.curvature[i], way.length[i]
         if length != 0.0 and free_length(task, x, y, tangent, curvature, length) < abs(length):

@@ -14,28 +14,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from trackctl.planning.anytime import BATCH, Anytime
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_tangent
-from trackctl.planning.growth import Growth, grow
-from trackctl.planning.pieces import Task, new_way
-from trackctl.planning.random_numbers import stream_of
+from trackctl.planning.pieces import Task
 from trackctl.planning.reachability import are_joined, centred_disc
 from trackctl.planning.route import Route
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
-from trackctl.planning.tree import Tree, new_tree
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 
-#: Nodes of a tree at most.
-CAPACITY = 50_000
-#: Iterations between two looks at the clock.
-BATCH = 64
-#: Longest extension, in smallest radii.
-REACH = 3.5
+#: Iterations without a route before it is asked whether there can be one: longer than most searches take.
+DOUBT = 512
 #: Turning radii that connections try, in smallest radii.
 RADII = (1.0, 1.5, 2.5, 5.0)
 
@@ -177,22 +171,24 @@ def search(
     if reason:
         return SearchResult((), reason, time.perf_counter() - begin, 0, 0)
     start, goal = (tangent_pose(task.ground, pose) for pose in (problem.start, problem.goal))
-    tree = new_tree(CAPACITY, start)
-    growth = _new_growth(task, goal, settings.seed)
+    state = Anytime(task, start, goal, settings.seed)
     improvements: list[Improvement] = []
-    done, total = 0, math.inf if settings.iterations is None else settings.iterations
-    while done < total:
-        count, found = grow(task, tree, growth, int(min(BATCH, total - done)))
-        done += count
+    total = math.inf if settings.iterations is None else settings.iterations
+    doubted = True
+    while state.iterations < total:
+        found = state.step(int(min(BATCH, total - state.iterations)))
         elapsed = time.perf_counter() - begin
         if found:
-            improvements.append(Improvement(elapsed, done, float(growth.best[0]), _route(tree, growth)))
+            improvements.append(Improvement(elapsed, state.iterations, state.cost, state.route()))
+        elif doubted and not improvements and state.iterations >= DOUBT:
+            doubted, reason = False, _separation(problem, task)
         if progress is not None:
-            progress(*((elapsed, settings.time_limit) if settings.iterations is None else (done, total)))
-        if settings.iterations is None and elapsed >= settings.time_limit:
+            progress(*((elapsed, settings.time_limit) if settings.iterations is None else (state.iterations, total)))
+        if reason or (settings.iterations is None and elapsed >= settings.time_limit):
             break
-    reason = "" if improvements else f"goal not reached: no connection in {done} iterations"
-    return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, done, int(tree.size[0]))
+    if not improvements and not reason:
+        reason = _separation(problem, task) or f"goal not reached: no connection in {state.iterations} iterations"
+    return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, state.iterations, state.nodes)
 
 
 def task_of(problem: Problem, settings: Settings) -> Task:
@@ -203,7 +199,8 @@ def task_of(problem: Problem, settings: Settings) -> Task:
     radii = np.array(RADII) / max(sharpest, 1e-6)
     can_pivot = ground.is_level and problem.pivot_speed > 0.0
     pivot_rate = 1.0 / problem.pivot_speed if can_pivot else math.inf
-    return Task(obstacles, ground, radii, settings.gear_change, pivot_rate, problem.backward is not None)
+    inner = centred_disc(obstacles.footprint)
+    return Task(obstacles, ground, radii, settings.gear_change, pivot_rate, problem.backward is not None, inner)
 
 
 def tangent_pose(ground: Ground, pose: Pose) -> Pose:
@@ -212,26 +209,18 @@ def tangent_pose(ground: Ground, pose: Pose) -> Pose:
     return x, y, float(straight_tangent(ground, ground.forward, x, y, yaw))
 
 
-def _new_growth(task: Task, goal: Pose, seed: int) -> Growth:
-    return Growth(
-        stream=stream_of(seed),
-        goal=goal,
-        reach=REACH * float(task.radii[0]),
-        way=new_way(),
-        shot=new_way(),
-        best=np.array([np.inf]),
-        last=np.array([-1, 0]),
-        solution=new_way(),
-    )
-
-
 def _hindrance(problem: Problem, task: Task) -> str:
     """Why no search can succeed; empty if nothing is known."""
     for name, pose in (("start", problem.start), ("goal", problem.goal)):
         reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose)
         if reason:
             return f"{name}: {reason}"
-    radius = centred_disc(task.obstacles.footprint)
+    return ""
+
+
+def _separation(problem: Problem, task: Task) -> str:
+    """Why start and goal cannot be joined; empty if they may be."""
+    radius = task.inner_radius
     if are_joined(task.obstacles, problem.start[:2], problem.goal[:2], radius):
         return ""
     room = f" with {problem.clearance:g} m of clearance" if problem.clearance else ""
@@ -256,16 +245,3 @@ def _undrivable(ground: Ground, pose: Pose) -> str:
     if math.isfinite(rate_at(ground, ground.forward, x, y, tangent, 0.0)[0]):
         return ""
     return "the vehicle cannot drive straight there: no feasible speed on this slope in this direction"
-
-
-def _route(tree: Tree, growth: Growth) -> Route:
-    """Pieces from the start along the tree and on to the goal, empty ones left out."""
-    rows = [[part[: growth.last[1]] for part in growth.solution]]
-    node = int(growth.last[0])
-    while node > 0:
-        rows.append([part[node, : tree.piece_count[node]] for part in tree.pieces])
-        node = int(tree.parent[node])
-    curvature, length, pivot = (np.concatenate(parts) for parts in zip(*reversed(rows), strict=True))
-    used = (length != 0.0) | (pivot != 0.0)
-    start = (float(tree.x[0]), float(tree.y[0]), float(tree.tangent[0]))
-    return Route(start, curvature[used], length[used], pivot[used])

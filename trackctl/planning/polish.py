@@ -1,0 +1,250 @@
+"""Making a found way better: stretches of it replaced by exact connections, direct or past a point beside the way."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.compiled import borrowing_kernel
+from trackctl.planning.connection import connect
+from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way
+from trackctl.planning.pose import advanced
+from trackctl.planning.random_numbers import Stream, between, normal, uniform
+
+Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
+Pose = tuple[float, float, float]
+
+#: Pieces of a path at most; a replacement that would need more is not made.
+CAPACITY = 400
+#: Least gain of a replacement, over the path's cost: below it lies rounding.
+GAIN = 1e-9
+#: By how much a connection may seem to cost more than the stretch: within a piece that is not known exactly.
+COARSE_COST = 1.001
+#: Shortest stretch to replace, in smallest radii.
+SHORTEST = 0.2
+#: Share of replacements past a point beside the way.
+BESIDE_SHARE = 0.7
+#: Decades over which the point's offset is spread, below the length of the stretch.
+DECADES = 3.5
+#: Share of replacements with turns of the smallest radius; others draw one up to `WIDEST` times that.
+TIGHT_SHARE = 0.4
+WIDEST = 20.0
+
+
+class Path(NamedTuple):
+    """A way as pieces one after the other, with space for `CAPACITY`.
+
+    Attributes
+    ----------
+    pieces
+        What is driven.
+    x, y, tangent, gear
+        Where each piece begins, shape (CAPACITY + 1,). [m], [rad]
+    position
+        Driven before each piece. [m]
+    cost
+        Before each piece.
+    piece_count
+        Shape (1,).
+    first, second
+        Work space: ways to and from a point beside the path.
+    spare
+        Work space: the pieces of a changed path.
+    """
+
+    pieces: Way
+    x: Array
+    y: Array
+    tangent: Array
+    gear: Indices
+    position: Array
+    cost: Array
+    piece_count: Indices
+    first: Way
+    second: Way
+    spare: Way
+
+
+def new_path() -> Path:
+    """An empty path."""
+    x, y, tangent, position, cost = (np.zeros(CAPACITY + 1) for _ in range(5))
+    gear, count = np.zeros(CAPACITY + 1, np.int64), np.zeros(1, np.int64)
+    ways = (new_way(CAPACITY), new_way(), new_way(), new_way(CAPACITY))
+    return Path(ways[0], x, y, tangent, gear, position, cost, count, *ways[1:])
+
+
+@borrowing_kernel
+def measure(task: Task, path: Path, start: Pose) -> float:
+    """Fill in poses, positions and costs of a path's pieces; its cost."""
+    path.x[0], path.y[0], path.tangent[0] = start
+    path.gear[0], path.position[0], path.cost[0] = 0, 0.0, 0.0
+    pieces = path.pieces
+    for i in range(path.piece_count[0]):
+        x, y, tangent = advanced(path.x[i], path.y[i], path.tangent[i], pieces.curvature[i], pieces.length[i])
+        path.x[i + 1], path.y[i + 1], path.tangent[i + 1] = x, y, tangent + pieces.pivot[i]
+        path.gear[i + 1] = gear_of(pieces.length[i], path.gear[i])
+        path.position[i + 1] = path.position[i] + abs(pieces.length[i])
+        path.cost[i + 1] = path.cost[i] + _piece_cost(task, path, i)
+    return float(path.cost[path.piece_count[0]])
+
+
+@borrowing_kernel
+def _piece_cost(task: Task, path: Path, i: int) -> float:
+    """Cost of a piece, with that of a gear change before it."""
+    length = path.pieces.length[i]
+    if length == 0.0:
+        return task.pivot_rate * abs(path.pieces.pivot[i]) if path.pieces.pivot[i] != 0.0 else 0.0
+    change = task.gear_change if path.gear[i] * length < 0.0 else 0.0
+    return change + drive_cost(task, path.x[i], path.y[i], path.tangent[i], path.pieces.curvature[i], length)
+
+
+@borrowing_kernel
+def _piece_at(path: Path, position: float) -> int:
+    """The driven piece that a position lies on."""
+    low, high = 0, path.piece_count[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if path.position[middle] <= position:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@borrowing_kernel
+def _cost_at(path: Path, position: float) -> float:
+    """Cost up to a position, as if all of a piece cost alike."""
+    i = _piece_at(path, position)
+    share = (position - path.position[i]) / (path.position[i + 1] - path.position[i])
+    return float(path.cost[i] + share * (path.cost[i + 1] - path.cost[i]))
+
+
+@borrowing_kernel
+def _pose_at(path: Path, piece: int, position: float) -> tuple[float, float, float]:
+    length = math.copysign(position - path.position[piece], path.pieces.length[piece])
+    return advanced(path.x[piece], path.y[piece], path.tangent[piece], path.pieces.curvature[piece], length)
+
+
+@borrowing_kernel
+def _append(way: Way, count: int, curvature: float, length: float, pivot: float) -> int:
+    """Add a piece to a way, joined to the one before if it goes on alike; the number of pieces, `CAPACITY` at most."""
+    if (length == 0.0 and pivot == 0.0) or count >= CAPACITY:
+        return count
+    if count > 0 and length * way.length[count - 1] > 0.0 and curvature == way.curvature[count - 1]:
+        way.length[count - 1] += length
+        return count
+    way.curvature[count], way.length[count], way.pivot[count] = curvature, length, pivot
+    return count + 1
+
+
+@borrowing_kernel
+def _append_all(way: Way, count: int, more: Way, first: int, last: int) -> int:
+    for i in range(first, last):
+        count = _append(way, count, more.curvature[i], more.length[i], more.pivot[i])
+    return count
+
+
+@borrowing_kernel
+def _replace(path: Path, begin: float, end: float, counts: tuple[int, int]) -> int:
+    """Write the path with a stretch replaced by the first and the second way into the spare; its number of pieces."""
+    i, j = _piece_at(path, begin), _piece_at(path, end)
+    pieces, spare = path.pieces, path.spare
+    count = _append_all(spare, 0, pieces, 0, i)
+    head = math.copysign(begin - path.position[i], pieces.length[i])
+    count = _append(spare, count, pieces.curvature[i], head, 0.0)
+    count = _append_all(spare, count, path.first, 0, counts[0])
+    count = _append_all(spare, count, path.second, 0, counts[1])
+    if end < path.position[path.piece_count[0]]:
+        rest = math.copysign(path.position[j + 1] - end, pieces.length[j])
+        count = _append(spare, count, pieces.curvature[j], rest, 0.0)
+        count = _append_all(spare, count, pieces, j + 1, path.piece_count[0])
+    return count
+
+
+@borrowing_kernel
+def _swap(path: Path, count: int) -> None:
+    """Exchange the path's pieces for the spare ones."""
+    for i in range(max(count, path.piece_count[0])):
+        curvature, length, pivot = path.pieces.curvature[i], path.pieces.length[i], path.pieces.pivot[i]
+        path.pieces.curvature[i], path.pieces.length[i] = path.spare.curvature[i], path.spare.length[i]
+        path.pieces.pivot[i] = path.spare.pivot[i]
+        path.spare.curvature[i], path.spare.length[i], path.spare.pivot[i] = curvature, length, pivot
+
+
+@borrowing_kernel
+def _detour(
+    task: Task, path: Path, stream: Stream, begin: float, end: float, goal: Pose, radius: float, bound: float
+) -> tuple[int, int]:
+    """Connect the ends of a stretch, past a point beside it or directly; the numbers of pieces, 0 without success."""
+    i = _piece_at(path, begin)
+    x, y, tangent = _pose_at(path, i, begin)
+    start = x, y, tangent, path.gear[i + 1]
+    if end < path.position[path.piece_count[0]]:
+        goal = _pose_at(path, _piece_at(path, end), end)
+    if uniform(stream) >= BESIDE_SHARE:
+        return connect(task, start, goal, radius, bound, path.first)[1], 0
+    middle = begin + (end - begin) * between(stream, 0.2, 0.8)
+    x, y, tangent = _pose_at(path, _piece_at(path, middle), middle)
+    spread = 10.0 ** (-DECADES * uniform(stream))
+    offset = 0.3 * (end - begin) * spread
+    past = x + offset * normal(stream), y + offset * normal(stream), tangent + spread * normal(stream)
+    cost, count = connect(task, start, past, radius, bound, path.first)
+    if count == 0:
+        return 0, 0
+    gear = start[3]
+    for k in range(count):
+        gear = gear_of(path.first.length[k], gear)
+    more = connect(task, (past[0], past[1], past[2], gear), goal, radius, bound - cost, path.second)[1]
+    return (count if more else 0), more
+
+
+@borrowing_kernel
+def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) -> float:
+    """Try to replace random stretches of a path by cheaper ones.
+
+    Parameters
+    ----------
+    task
+        Obstacles and costs.
+    path
+        Changed for the better; measured.
+    stream
+        Random numbers.
+    goal
+        x, y, tangent: the path's exact end. [m], [rad]
+    iterations
+        Number of replacements tried.
+
+    Returns
+    -------
+    float
+        The path's cost.
+    """
+    start = path.x[0], path.y[0], path.tangent[0]
+    for _ in range(iterations):
+        count, total = path.piece_count[0], path.position[path.piece_count[0]]
+        cost = path.cost[count]
+        shortest = min(total, SHORTEST * task.radii[0])
+        span = shortest * (total / shortest) ** uniform(stream)
+        middle = total * uniform(stream)
+        begin, end = max(0.0, middle - 0.5 * span), min(total, middle + 0.5 * span)
+        tight = uniform(stream) < TIGHT_SHARE
+        radius = task.radii[0] * (1.0 if tight else WIDEST ** uniform(stream))
+        bound = COARSE_COST * (_cost_at(path, end) - _cost_at(path, begin))
+        counts = _detour(task, path, stream, begin, end, goal, radius, bound)
+        if counts[0] == 0:
+            continue
+        changed = _replace(path, begin, end, counts)
+        if changed >= CAPACITY:
+            continue
+        _swap(path, changed)
+        path.piece_count[0] = changed
+        if not measure(task, path, start) < cost * (1.0 - GAIN):
+            _swap(path, max(changed, count))
+            path.piece_count[0] = count
+            measure(task, path, start)
+    return float(path.cost[path.piece_count[0]])
