@@ -2,22 +2,86 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
-from numpy.typing import NDArray
 
 from trackctl.compiled import borrowing_kernel
+from trackctl.planning import reeds_shepp
 from trackctl.planning.dubins import WORD_COUNT, WORDS, dubins_word, seen_from
 from trackctl.planning.pieces import Task, Way, way_cost, way_is_free
+from trackctl.planning.pose import wrapped
 
-Array = NDArray[np.float64]
+#: Words tried at most, in the order of their lengths.
+TRIED = 8
+#: A turn on the spot, a straight forwards or backwards, a turn on the spot: words after all others.
+TURN_DRIVE_TURN = 2
+ALL_WORDS = reeds_shepp.WORD_COUNT + TURN_DRIVE_TURN
+
+Pose = tuple[float, float, float]
 
 
 @borrowing_kernel
-def _write_dubins(way: Way, radius: float, word: int, pieces: tuple[float, float, float]) -> None:
+def _write_dubins(local: Pose, word: int, way: Way) -> int:
+    pieces = dubins_word(local[0], local[1], local[2], word)
+    if pieces[1] == np.inf:
+        return 0
     for i in range(3):
-        way.curvature[i] = WORDS[word, i] / radius
-        way.length[i] = pieces[i] * radius
-        way.pivot[i] = 0.0
+        way.curvature[i], way.length[i], way.pivot[i] = WORDS[word, i], pieces[i], 0.0
+    return 3
+
+
+@borrowing_kernel
+def _write_turns(local: Pose, forth: float, way: Way) -> int:
+    heading = math.atan2(forth * local[1], forth * local[0])
+    way.curvature[:3] = 0.0
+    way.length[0], way.length[1], way.length[2] = 0.0, forth * math.hypot(local[0], local[1]), 0.0
+    way.pivot[0], way.pivot[1], way.pivot[2] = wrapped(heading), 0.0, wrapped(local[2] - heading)
+    return 3
+
+
+@borrowing_kernel
+def _write(task: Task, local: Pose, radius: float, word: int, way: Way) -> int:
+    """Write a word to a pose seen from the start in turning radii; the number of pieces, 0 where it does not exist."""
+    if word >= reeds_shepp.WORD_COUNT:
+        count = _write_turns(local, 1.0 if word == reeds_shepp.WORD_COUNT else -1.0, way)
+    elif task.can_reverse:
+        count = reeds_shepp.write_word(local[0], local[1], local[2], word, way)
+    else:
+        count = _write_dubins(local, word, way)
+    for i in range(count):
+        way.curvature[i] /= radius
+        way.length[i] *= radius
+    return count
+
+
+@borrowing_kernel
+def _estimate(task: Task, gear: int, way: Way, count: int) -> float:
+    """Least cost that some pieces may have."""
+    if count == 0:
+        return np.inf
+    length, cusps = reeds_shepp.length_and_cusps(way, count)
+    turned = 0.0
+    for i in range(count):
+        turned += abs(way.pivot[i])
+    changes = cusps + (1 if gear * way.length[0] < 0.0 else 0)
+    estimate = length * task.least_rate + (changes * task.gear_change if changes else 0.0)
+    return float(estimate + (turned * task.pivot_rate if turned > 0.0 else 0.0))
+
+
+@borrowing_kernel
+def _estimate_all(task: Task, gear: int, local: Pose, radius: float, way: Way) -> int:
+    """Note the least cost of every word, infinite where it does not exist or cannot be driven; the number of words."""
+    estimates = task.estimates
+    count = reeds_shepp.WORD_COUNT if task.can_reverse else WORD_COUNT
+    for word in range(count):
+        estimates[word] = _estimate(task, gear, way, _write(task, local, radius, word, way))
+    if task.pivot_rate == np.inf:
+        return count
+    estimates[count : reeds_shepp.WORD_COUNT] = np.inf
+    for word in range(reeds_shepp.WORD_COUNT, ALL_WORDS - (0 if task.can_reverse else 1)):
+        estimates[word] = _estimate(task, gear, way, _write(task, local, radius, word, way))
+    return ALL_WORDS - (0 if task.can_reverse else 1)
 
 
 @borrowing_kernel
@@ -29,20 +93,7 @@ def connect(
     bound: float,
     way: Way,
 ) -> tuple[float, int]:
-    """The cheapest free way between two poses that the vehicle's gears allow; as `connect_dubins`."""
-    return connect_dubins(task, start, end, radius, bound, way)
-
-
-@borrowing_kernel
-def connect_dubins(
-    task: Task,
-    start: tuple[float, float, float, int],
-    end: tuple[float, float, float],
-    radius: float,
-    bound: float,
-    way: Way,
-) -> tuple[float, int]:
-    """The cheapest free word forwards of one radius.
+    """The cheapest free word of one radius: Dubins', with a reverse gear Reeds and Shepp's, or turns on the spot.
 
     Parameters
     ----------
@@ -65,18 +116,18 @@ def connect_dubins(
         Its cost, infinite where there is none, and the number of pieces.
     """
     x, y, tangent, gear = start
-    local_x, local_y, turn = seen_from(x, y, tangent, end[0], end[1], end[2], radius)
+    local = seen_from(x, y, tangent, end[0], end[1], end[2], radius)
+    words = task.estimates[: _estimate_all(task, gear, local, radius, way)]
     best, best_word = bound, -1
-    for word in range(WORD_COUNT):
-        pieces = dubins_word(local_x, local_y, turn, word)
-        length = (pieces[0] + pieces[1] + pieces[2]) * radius
-        if not length * task.ground.forward.least_rate < best:
-            continue
-        _write_dubins(way, radius, word, pieces)
-        cost = way_cost(task, x, y, tangent, gear, way, 3, best)
-        if cost < best and way_is_free(task, x, y, tangent, way, 3):
+    for _ in range(TRIED):
+        word = int(np.argmin(words))
+        if not words[word] < best:
+            break
+        words[word] = np.inf
+        count = _write(task, local, radius, word, way)
+        cost = way_cost(task, x, y, tangent, gear, way, count, best)
+        if cost < best and way_is_free(task, x, y, tangent, way, count):
             best, best_word = cost, word
     if best_word < 0:
         return np.inf, 0
-    _write_dubins(way, radius, best_word, dubins_word(local_x, local_y, turn, best_word))
-    return best, 3
+    return best, _write(task, local, radius, best_word, way)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision import cell_position, free_radius
-from trackctl.planning.connection import connect_dubins
+from trackctl.planning.connection import connect
 from trackctl.planning.families import way_to_point
-from trackctl.planning.pieces import Task, Way, free_length, way_cost
-from trackctl.planning.pose import advanced
+from trackctl.planning.pieces import Task, Way, free_length, pivot_is_free, way_cost
+from trackctl.planning.pose import advanced, wrapped
 from trackctl.planning.random_numbers import Stream, between, uniform
 from trackctl.planning.tree import Tree, add_node, nearest
 
@@ -68,7 +68,7 @@ def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     """A point that the mass centre might be at, on a way straight to it and on that is short enough."""
     obstacles, stream, goal = task.obstacles, growth.stream, growth.goal
     n_rows, n_columns = obstacles.distance.shape
-    longest = growth.bound[0] / task.ground.forward.least_rate
+    longest = growth.bound[0] / task.least_rate
     x, y = goal[0], goal[1]
     about_goal = uniform(stream) < GOAL_SHARE
     for _ in range(TRIES):
@@ -91,32 +91,59 @@ def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
 
 
 @borrowing_kernel
+def _aim(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> tuple[int, int]:
+    """Write the way of a family from the nearest node to a point: the node and the number of pieces, 0 without one.
+
+    With a reverse gear, half of the ways are driven backwards; where the vehicle can turn on the spot, half of them
+    turn first and go straight.
+    """
+    way, stream = growth.way, growth.stream
+    radius = task.radii[min(int(uniform(stream) * task.radii.size), task.radii.size - 1)]
+    turned = math.pi if task.can_reverse and uniform(stream) < 0.5 else 0.0
+    node = nearest(tree, x, y, radius, turned)
+    if node < 0:
+        return node, 0
+    from_x, from_y, direction = tree.x[node], tree.y[node], tree.tangent[node] + turned
+    if task.pivot_rate < np.inf and uniform(stream) < 0.5:
+        way.curvature[:2], way.pivot[1], way.length[0] = 0.0, 0.0, 0.0
+        way.pivot[0] = wrapped(math.atan2(y - from_y, x - from_x) - direction)
+        way.length[1], count = math.hypot(x - from_x, y - from_y), 2
+    else:
+        length, count = way_to_point(from_x, from_y, direction, x, y, radius, way)
+        if not length < np.inf:
+            return node, 0
+    if turned > 0.0:
+        for i in range(count):
+            way.curvature[i], way.length[i] = -way.curvature[i], -way.length[i]
+    return node, count
+
+
+@borrowing_kernel
 def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) -> tuple[float, int]:
     """Shorten pieces from a node to what is free and to a length in all; that length and what is left of the pieces."""
     x, y, tangent = tree.x[node], tree.y[node], tree.tangent[node]
     total = 0.0
     for i in range(count):
+        if way.pivot[i] != 0.0 and not pivot_is_free(task, x, y, tangent, way.pivot[i]):
+            return total, i
         wanted = min(abs(way.length[i]), reach - total)
         sense = 1.0 if way.length[i] >= 0.0 else -1.0
-        free = free_length(task, x, y, tangent, way.curvature[i], sense * wanted)
+        free = free_length(task, x, y, tangent + way.pivot[i], way.curvature[i], sense * wanted)
         length = wanted if free >= wanted else (1.0 - KEPT_BACK) * free
         way.length[i] = sense * length
         total += length
         if free < wanted or total >= reach:
             return total, i + 1
         x, y, tangent = advanced(x, y, tangent, way.curvature[i], way.length[i])
+        tangent += way.pivot[i]
     return total, count
 
 
 @borrowing_kernel
 def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
     """Add a node on the way from the nearest one to a point; -1 if there is no way."""
-    radius = task.radii[min(int(uniform(growth.stream) * task.radii.size), task.radii.size - 1)]
-    node = nearest(tree, x, y, radius)
-    if node < 0:
-        return -1
-    length, count = way_to_point(tree.x[node], tree.y[node], tree.tangent[node], x, y, radius, growth.way)
-    if not length < np.inf:
+    node, count = _aim(task, tree, growth, x, y)
+    if count == 0:
         return -1
     length, count = _cut(task, tree, node, growth.way, count, growth.reach)
     if length < SHORTEST * task.radii[0]:
@@ -132,7 +159,7 @@ def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
 def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
     """Bound of the cost from start to goal past a node: straight on from there."""
     distance = math.hypot(growth.goal[0] - tree.x[node], growth.goal[1] - tree.y[node])
-    return float(tree.cost[node] + distance * task.ground.forward.least_rate)
+    return float(tree.cost[node] + distance * task.least_rate)
 
 
 @borrowing_kernel
@@ -142,7 +169,7 @@ def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
     start = tree.x[node], tree.y[node], tree.tangent[node], tree.gear[node]
     for radius in task.radii:
         bound = min(growth.best[0], growth.bound[0]) - tree.cost[node]
-        cost, count = connect_dubins(task, start, growth.goal, radius, bound, growth.shot)
+        cost, count = connect(task, start, growth.goal, radius, bound, growth.shot)
         if cost < bound:
             found = True
             growth.best[0] = tree.cost[node] + cost

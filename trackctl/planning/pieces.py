@@ -71,6 +71,10 @@ class Task(NamedTuple):
         Whether there is a reverse gear.
     inner_radius
         Of the largest disc about the mass centre within the footprint. [m]
+    least_rate
+        No metre costs less. [1/m]
+    estimates
+        Work space of connections: what their words cost at least.
     """
 
     obstacles: Obstacles
@@ -80,6 +84,8 @@ class Task(NamedTuple):
     pivot_rate: float
     can_reverse: bool
     inner_radius: float
+    least_rate: float
+    estimates: Array
 
 
 def new_way(count: int = MOST_PIECES) -> Way:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from trackctl.planning.anytime import BATCH, Anytime
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
 from trackctl.planning.collision_grid import CollisionGrid
+from trackctl.planning.connection import ALL_WORDS
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_tangent
 from trackctl.planning.pieces import Task
@@ -200,7 +201,17 @@ def task_of(problem: Problem, settings: Settings) -> Task:
     can_pivot = ground.is_level and problem.pivot_speed > 0.0
     pivot_rate = 1.0 / problem.pivot_speed if can_pivot else math.inf
     inner = centred_disc(obstacles.footprint)
-    return Task(obstacles, ground, radii, settings.gear_change, pivot_rate, problem.backward is not None, inner)
+    return Task(
+        obstacles=obstacles,
+        ground=ground,
+        radii=radii,
+        gear_change=settings.gear_change,
+        pivot_rate=pivot_rate,
+        can_reverse=problem.backward is not None,
+        inner_radius=inner,
+        least_rate=min(ground.forward.least_rate, ground.backward.least_rate),
+        estimates=np.empty(ALL_WORDS),
+    )
 
 
 def tangent_pose(ground: Ground, pose: Pose) -> Pose:

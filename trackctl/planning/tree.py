@@ -88,13 +88,25 @@ def set_parent(tree: Tree, node: int, parent: int, way: Way, count: int, cost: f
 
 
 @borrowing_kernel
-def nearest(tree: Tree, x: float, y: float, radius: float) -> int:
-    """The node from which the families lead to a point on the shortest way; -1 if from none."""
+def nearest(tree: Tree, x: float, y: float, radius: float, turned: float) -> int:
+    """The node from which the families lead to a point on the shortest way; -1 if from none.
+
+    Parameters
+    ----------
+    tree
+        Of the nodes.
+    x, y
+        Of the point. [m]
+    radius
+        Of the turns. [m]
+    turned
+        From a node's tangent to the direction of travel: 0 or, backwards, pi. [rad]
+    """
     best, found = np.inf, -1
     for node in range(tree.size[0]):
         dx, dy = x - tree.x[node], y - tree.y[node]
         if dx * dx + dy * dy < best * best:
-            length = distance_to_point(tree.x[node], tree.y[node], tree.tangent[node], x, y, radius)
+            length = distance_to_point(tree.x[node], tree.y[node], tree.tangent[node] + turned, x, y, radius)
             if length < best:
                 best, found = length, node
     return found
