@@ -36,6 +36,8 @@ TOLERANCE = 1e-10
 EVALUATIONS = 60
 #: Sample spacing and width of the Gaussian of the derivative along the path, over the contact length.
 SPACING, SMOOTHING = 1.0 / 24.0, 0.12
+#: Samples are no farther apart than this. [m]
+LONGEST_STEP = 0.1
 #: How far a path is extended at its ends, over the contact length.
 EXTENSION = 3.0
 #: Passes with the derivative of the sideslip, after one without.
@@ -81,6 +83,32 @@ class PathCommands:
     slip_left: Array
     slip_right: Array
     residual: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ground:
+    """Slope along a path, arrays of shape (n,), linear between samples.
+
+    Attributes
+    ----------
+    arc_length
+        Ascending. [m]
+    slope
+        Angle of the ground's plane under the vehicle. [rad]
+    uphill_yaw
+        Direction of up-slope, in the frame of the path's tangent, without jumps. [rad]
+    """
+
+    arc_length: Array
+    slope: Array
+    uphill_yaw: Array
+
+    def at(self, arc_length: Array) -> tuple[Array, Array]:
+        """Slope and direction of up-slope at arc lengths; beyond the ends as there."""
+        return (
+            np.interp(arc_length, self.arc_length, self.slope),
+            np.interp(arc_length, self.arc_length, self.uphill_yaw),
+        )
 
 
 @kernel
@@ -130,7 +158,7 @@ def solve_along(
 
 def resampled(path: Path, length: float) -> tuple[Path, slice]:
     """The path at even steps of a small share of the contact length, extended at both ends; and where it is in that."""
-    count = math.ceil(path.length / (SPACING * length)) + 1
+    count = math.ceil(path.length / min(SPACING * length, LONGEST_STEP)) + 1
     step = path.length / (count - 1)
     added = math.ceil(EXTENSION * length / step)
     s: Array = step * np.arange(-added, count + added, dtype=np.float64)
@@ -165,16 +193,16 @@ def no_slip_ratios(model: TrackModel, curvature: Array) -> Array:
     return np.stack((left, right, np.zeros_like(curvature)))
 
 
-def first_start(scene: Scene, path: Path) -> Array:
+def first_start(scene: Scene, path: Path, slope: float, uphill_yaw: float) -> Array:
     """Where to start solving a path's first sample: the steady turn there, or else no slip, shape (3,)."""
-    heading = path.tangent[0] - scene.uphill_yaw
-    cell = solve_points(scene.model, np.array([[scene.slope, path.speed[0], path.curvature[0], heading]]))[0]
+    heading = path.tangent[0] - uphill_yaw
+    cell = solve_points(scene.model, np.array([[slope, path.speed[0], path.curvature[0], heading]]))[0]
     if cell["status"] == Status.CONVERGED:
         return np.asarray(cell["unknowns"], np.float64)
     return no_slip_ratios(scene.model, path.curvature[:1])[:, 0]
 
 
-def path_commands(scene: Scene, path: Path) -> PathCommands:
+def path_commands(scene: Scene, path: Path, ground: Ground | None = None) -> PathCommands:
     """Commands of the path rule, from the equilibrium with the motion prescribed.
 
     Three passes, the first of which takes the yaw to follow the path's curvature; see the module. Every residual is to
@@ -187,11 +215,13 @@ def path_commands(scene: Scene, path: Path) -> PathCommands:
     path
         What the mass centre is to follow, with a continuous tangent. A jump of curvature asks for a jump of sideslip,
         which no vehicle can do: blend it.
+    ground
+        Slope along the path, None for the scene's plane.
     """
     model = scene.model
     fine, inner = resampled(path, model.length)
     step = spacing(fine)
-    motions, unknowns, residual = steady_turns(scene, fine)
+    motions, unknowns, residual = steady_turns(scene, fine, ground)
     motions[:, 0] -= 0.5 * np.gradient(fine.speed**2, step) / model.gravity
     gradient = fine.curvature
     for turn in range(PASSES + 1):
@@ -207,21 +237,25 @@ def path_commands(scene: Scene, path: Path) -> PathCommands:
 def naive_commands(scene: Scene, path: Path) -> PathCommands:
     """Commands of steady turns of the path's own curvature, as a table has them: on a slope they drift."""
     fine, inner = resampled(path, scene.model.length)
-    motions, unknowns, residual = steady_turns(scene, fine)
+    motions, unknowns, residual = steady_turns(scene, fine, None)
     solve_along(scene.model, motions, rules(), np.zeros(1, workspace(3)), unknowns, residual)
     return commands_of(scene, fine, inner, unknowns.T, fine.curvature, residual)
 
 
-def steady_turns(scene: Scene, path: Path) -> tuple[Array, Array, Array]:
+def steady_turns(scene: Scene, path: Path, ground: Ground | None) -> tuple[Array, Array, Array]:
     """`PrescribedMotion` of steady turns of a path's curvature, and unknowns and residuals to be solved for."""
-    heading, down, size = path.tangent - scene.uphill_yaw, math.sin(scene.slope), path.speed.size
+    size = path.speed.size
+    if ground is None:
+        ground = Ground(path.arc_length[:1], np.array([scene.slope]), np.array([scene.uphill_yaw]))
+    slope, uphill_yaw = ground.at(path.arc_length)
+    heading, down = path.tangent - uphill_yaw, np.sin(slope)
     motions = np.zeros((size, len(PrescribedMotion._fields)))
     motions[:, 0] = -down * np.cos(heading)
     motions[:, 1] = down * np.sin(heading) - path.speed**2 * path.curvature / scene.model.gravity
-    motions[:, 2] = math.cos(scene.slope)
+    motions[:, 2] = np.cos(slope)
     motions[:, 3] = path.curvature
     unknowns = np.full((size, 3), np.nan)
-    unknowns[0] = first_start(scene, path)
+    unknowns[0] = first_start(scene, path, float(slope[0]), float(uphill_yaw[0]))
     return motions, unknowns, np.empty(size)
 
 
