@@ -140,7 +140,7 @@ def blended(stretch: Stretch, start: Pose, blend: float) -> Line:
     return Line(stretch.backwards, start, knots, shares @ jumps)
 
 
-def chained(stretches: Sequence[Stretch], start: Pose, blend: float) -> list[Line]:
+def chained(stretches: Sequence[Stretch], start: Pose, blend: float, kinks: Sequence[float]) -> list[Line]:
     """Blended stretches one after the other; the direction of travel turns round between them.
 
     Parameters
@@ -151,10 +151,13 @@ def chained(stretches: Sequence[Stretch], start: Pose, blend: float) -> list[Lin
         x, y [m] and tangent, which is the direction of travel forwards and its reverse backwards. [rad]
     blend
         [m]
+    kinks
+        Turn of the tangent before each stretch but the first. [rad]
     """
     lines: list[Line] = []
     x, y, tangent = start
-    for stretch in stretches:
+    for stretch, kink in zip(stretches, (0.0, *kinks), strict=True):
+        tangent += kink
         direction = tangent + math.pi if stretch.backwards else tangent
         lines.append(blended(stretch, (x, y, direction), blend))
         x, y, direction = lines[-1].end
@@ -176,7 +179,9 @@ def divided(stretch: Stretch, blend: float, least: int) -> Stretch:
     )
 
 
-def blended_route(route: Route, start: Pose, goal: Pose, blend: float, sharpest: float) -> list[Line] | None:
+def blended_route(
+    route: Route, start: Pose, goal: Pose, blend: float, sharpest: float, kinks: Sequence[float] | None = None
+) -> list[Line] | None:
     """Lines of continuous curvature along a route from start to goal, both exact.
 
     Parameters
@@ -189,6 +194,9 @@ def blended_route(route: Route, start: Pose, goal: Pose, blend: float, sharpest:
         Length of a ramp of curvature. [m]
     sharpest
         Largest curvature either way. [1/m]
+    kinks
+        Turn of the tangent where the direction of travel changes, as the body keeps its yaw and its sideslip changes;
+        None for none. [rad]
 
     Returns
     -------
@@ -198,7 +206,8 @@ def blended_route(route: Route, start: Pose, goal: Pose, blend: float, sharpest:
     stretches = stretches_of(route)
     pieces = sum(stretch.length.size for stretch in stretches)
     stretches = [divided(stretch, blend, MOST_PARTS if pieces < MOST_PARTS else 1) for stretch in stretches]
-    adjustment = Adjustment(stretches, start, goal, blend, sharpest)
+    kinks = [0.0] * (len(stretches) - 1) if kinks is None else kinks
+    adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest)
     unknowns = np.clip(adjustment.first, adjustment.lower, adjustment.upper)
     for _ in range(NEWTON_STEPS):
         gap = adjustment.gap(unknowns)
@@ -219,8 +228,17 @@ class Adjustment:
         Their bounds.
     """
 
-    def __init__(self, stretches: Sequence[Stretch], start: Pose, goal: Pose, blend: float, sharpest: float) -> None:
-        self._stretches, self._start, self._goal, self._blend = stretches, start, np.array(goal), blend
+    def __init__(
+        self,
+        stretches: Sequence[Stretch],
+        kinks: Sequence[float],
+        start: Pose,
+        goal: Pose,
+        blend: float,
+        sharpest: float,
+    ) -> None:
+        self._stretches, self._kinks, self._start = stretches, kinks, start
+        self._goal, self._blend = np.array(goal), blend
         self._cuts = np.cumsum([2 * stretch.length.size for stretch in stretches])[:-1]
         self.first = np.concatenate([part for each in stretches for part in (each.length, each.curvature)])
         is_length = np.concatenate([np.repeat([True, False], each.length.size) for each in stretches])
@@ -234,7 +252,7 @@ class Adjustment:
             replace(stretch, length=length, curvature=curvature)
             for stretch, (length, curvature) in zip(self._stretches, parts, strict=True)
         ]
-        return chained(changed, self._start, self._blend)
+        return chained(changed, self._start, self._blend, self._kinks)
 
     def gap(self, unknowns: Array) -> Array:
         """What is missing to the goal, x, y [m] and tangent [rad], shape (3,)."""

@@ -45,6 +45,30 @@ class Reference:
     speed: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Slopes:
+    """Slope of the ground over time, arrays of shape (n,), linear between samples.
+
+    Attributes
+    ----------
+    time
+        Ascending. [s]
+    slope
+        Angle. [rad]
+    uphill_yaw
+        Direction of up-slope, without jumps. [rad]
+    """
+
+    time: Array
+    slope: Array
+    uphill_yaw: Array
+
+    def scene_at(self, scene: Scene, time: float) -> Scene:
+        """The scene with the slope at a time."""
+        slope, uphill_yaw = (float(np.interp(time, self.time, each)) for each in (self.slope, self.uphill_yaw))
+        return scene._replace(slope=slope, uphill_yaw=uphill_yaw)
+
+
 def start_on(commands: PathCommands) -> State:
     """The state at the start of a target."""
     path, speed, sideslip = commands.path, float(commands.path.speed[0]), float(commands.sideslip[0])
@@ -93,18 +117,22 @@ def follow(
     steady_start: bool,
     duration: float = math.inf,
     most_turn: float = math.inf,
+    slopes: Slopes | None = None,
 ) -> tuple[Integration, End]:
     """Drive along a target under its commands, corrected by feedback at 50 Hz; see `motion.simulate`.
 
-    Between two corrections the track speeds change linearly.
+    Between two corrections the track speeds change linearly. Slopes over time take the place of the scene's, in steps
+    of the commands' samples or the corrections.
     """
     end = min(float(commands.time[-1]), float(commands.time[0]) + duration)
     speeds = track_speeds(commands).until(end)
     settings = Settings(tolerance, math.inf, most_turn)
     before = (float(speeds.left[0]), float(speeds.right[0])) if steady_start else None
     simulation = integration(scene, start, float(speeds.time[0]), before)
-    if feedback is Feedback.NONE:
+    if feedback is Feedback.NONE and slopes is None:
         return simulation, simulation.advance(speed_pieces(speeds), settings)
+    if feedback is Feedback.NONE and slopes is not None:
+        return simulation, drive_over(simulation, speeds, slopes, settings)
     time = np.append(np.arange(speeds.time[0], end - 0.5 * PERIOD, PERIOD), end)
     forward = np.stack([np.interp(time, speeds.time, values) for values in (speeds.left, speeds.right)], axis=1)
     references = sampled(commands, time)
@@ -112,11 +140,25 @@ def follow(
     for i in range(time.size - 1):
         added = corrections(feedback, references[i], simulation.pose, scene.model.length, scene.model.gauge)
         after = forward[i + 1] + added
+        if slopes is not None:
+            simulation.scene = slopes.scene_at(scene, 0.5 * float(time[i] + time[i + 1]))
         status = simulation.advance(ramp(time[i], time[i + 1], now, after), settings)
         if status != End.DONE:
             return simulation, status
         now = after
     return simulation, End.DONE
+
+
+def drive_over(simulation: Integration, speeds: TrackSpeeds, slopes: Slopes, settings: Settings) -> End:
+    """Drive with the slope of the middle of each piece of the track speeds."""
+    for i in range(speeds.time.size - 1):
+        part = slice(i, i + 2)
+        simulation.scene = slopes.scene_at(simulation.scene, float(speeds.time[part].mean()))
+        piece = TrackSpeeds(speeds.time[part], speeds.left[part], speeds.right[part])
+        status = simulation.advance(speed_pieces(piece), settings)
+        if status != End.DONE:
+            return status
+    return End.DONE
 
 
 def sampled(commands: PathCommands, time: Array) -> list[Reference]:

@@ -1,0 +1,341 @@
+"""`plan`: from a map to a trajectory with sprocket rates that the vehicle drives."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from trackctl.errors import NoAnswerError, UsageError
+from trackctl.lut.table import Table
+from trackctl.planning.blocked_cell import describe_cell
+from trackctl.planning.clearance import clearances
+from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
+from trackctl.planning.footprint import footprint_of
+from trackctl.planning.ground import Cost, straight_tangent
+from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, slope_field
+from trackctl.planning.search import Problem, SearchResult, Settings, search
+from trackctl.planning.slope_field import SlopeField
+from trackctl.planning.steering_limits import SteeringLimits
+from trackctl.planning.surface_line import is_plane
+from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhere, searched, table_limits
+from trackctl.profiles.terrain import TerrainProfile
+from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.plan_drive import (
+    DrivenLine,
+    DriveModel,
+    Undrivable,
+    blend_length,
+    drive_model,
+    drive_route,
+    no_slip_twin,
+    slopes_at,
+    turned_round,
+)
+from trackctl.workflows.plan_rows import Rows, rows_of
+from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
+from trackctl.workflows.plan_verification import Verification, verify
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+Progress = Callable[[float, float], None]
+
+#: Least radius of a plan where the profile has none, over the contact length.
+LEAST_RADIUS = 1.5
+#: Routes that are tried to drive, the best first.
+MOST_ROUTES = 12
+#: More clearance for another search where no route of the first can be driven, in contact lengths.
+WIDER = 0.1
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class PlanRequest:
+    """What to plan.
+
+    Attributes
+    ----------
+    planning_map
+        With start and goal.
+    vehicle, terrain, gravity
+        [m/s2]
+    lut
+        Table to read, None for one from the user's cache folder.
+    search
+        Seed, time or iterations, and cost.
+    most_speed
+        None for the vehicle's. [m/s]
+    clearance
+        To keep. [m]
+    reverse
+        Whether to drive backwards, too.
+    allow_unknown
+        Whether unknown cells may be driven on.
+    verify
+        Whether to simulate the plan.
+    jobs
+        Threads of a table that is compiled.
+    """
+
+    planning_map: PlanningMap
+    vehicle: VehicleProfile
+    terrain: TerrainProfile
+    gravity: float
+    lut: Path | None = None
+    search: Settings = Settings()
+    most_speed: float | None = None
+    clearance: float = 0.0
+    reverse: bool = False
+    allow_unknown: bool = False
+    verify: bool = False
+    jobs: int = 1
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class PlanResult:
+    """A plan and what there is to say about it.
+
+    Attributes
+    ----------
+    rows
+        The plan.
+    first_solution, planning
+        Wall times from the start of the search. [s]
+    cost
+        Of the route, as the search has it.
+    nodes
+        Of the tree.
+    min_clearance
+        Least distance of the footprint from blocked cells. [m]
+    verification, no_slip
+        Of the plan and of commands that would drive it without slip, where asked for.
+    notes
+        What the user should know, as sentences.
+    """
+
+    rows: Rows
+    first_solution: float
+    planning: float
+    cost: float
+    nodes: int
+    min_clearance: float
+    verification: Verification | None
+    no_slip: Verification | None
+    notes: tuple[str, ...]
+
+
+def sharpest_curvature(vehicle: VehicleProfile) -> float:
+    """Largest curvature of a plan. [1/m]"""
+    return 1.0 / (vehicle.min_turn_radius or LEAST_RADIUS * vehicle.contact_length)
+
+
+def slope_range(field: SlopeField) -> tuple[float, float]:
+    """Least and largest slope of a map. [rad]"""
+    slopes = np.arctan(np.hypot(field.gradient_x, field.gradient_y))
+    return float(np.nanmin(slopes)), float(np.nanmax(slopes))
+
+
+def steering(
+    request: PlanRequest, field: SlopeField, progress: Callable[[int, int], None]
+) -> tuple[SteeringLimits, SteeringLimits | None]:
+    """Limits of steering in both gears, from tables.
+
+    A vehicle whose mass centre is over the contact centre is the same turned round; any other needs a table of its own
+    to drive backwards.
+    """
+    vehicle, sharpest = request.vehicle, sharpest_curvature(request.vehicle)
+    most = min(request.most_speed or math.inf, vehicle.max_speed)
+    low, high = slope_range(field)
+
+    def own(carrier: VehicleProfile) -> Table:
+        nodes = slope_nodes(low, high)
+        return cached_table(carrier, request.terrain, request.gravity, nodes, sharpest, progress, request.jobs)
+
+    if request.lut is None:
+        table = own(vehicle)
+    else:
+        table = users_table(request.lut, vehicle, request.terrain, request.gravity, (low, high))
+        widest = float(np.abs(table.axes.curvature).max())
+        sharpest = min(sharpest, widest)
+    forward = table_limits(table, vehicle, sharpest, most)
+    if not request.reverse:
+        return forward, None
+    if vehicle.cog_forward == vehicle.cog_left == 0.0:
+        return forward, driven_backwards(forward)
+    return forward, driven_backwards(table_limits(own(turned_round(vehicle)), turned_round(vehicle), sharpest, most))
+
+
+def plan(
+    request: PlanRequest,
+    compiling: Callable[[int, int], None] = lambda done, total: None,
+    searching: Progress = lambda done, total: None,
+) -> PlanResult:
+    """Plan what a request asks for.
+
+    Parameters
+    ----------
+    request
+        What to plan.
+    compiling
+        Told the columns of the table that are done, and all.
+    searching
+        Told how far the search is.
+
+    Raises
+    ------
+    NoAnswerError
+        If there is no plan, with the reason.
+    MapError, UsageError
+        If start or goal lie outside the map, or the map or the table is not fit.
+    """
+    start, goal = poses_of(request)
+    field = slope_field(request.planning_map, request.vehicle.footprint)
+    grid = collision_grid(request.planning_map, field, allow_unknown=request.allow_unknown)
+    outline = np.array(request.vehicle.footprint) - (request.vehicle.cog_forward, request.vehicle.cog_left)
+    exact = obstacles_of(grid, footprint_of(outline))
+    roomy = obstacles_of(grid, footprint_of(outline), request.clearance)
+    check_pose(request, roomy, "start", start)
+    check_pose(request, roomy, "goal", goal)
+    forward, backward = steering(request, field, compiling)
+    if not is_feasible_somewhere(forward):
+        raise NoAnswerError(infeasible_ground(request, field))
+    model = drive_model(
+        request.vehicle, request.terrain, request.gravity, field, roomy, (forward, backward)
+    )
+    problem = Problem(
+        grid,
+        field,
+        outline,
+        start,
+        goal,
+        searched(forward),
+        None if backward is None else searched(backward),
+        request.clearance,
+    )
+    begin = time.perf_counter()
+    found, driven, cost = driven_plan(request, model, problem, searching)
+    rows = rows_of(model, driven)
+    planning = time.perf_counter() - begin
+    verification = no_slip = None
+    if request.verify:
+        setting = request.vehicle, request.terrain, request.gravity, exact
+        verification = verify(rows, *setting)
+        no_slip = verify(rows_of(model, [no_slip_twin(model, each) for each in driven]), *setting)
+    clearance = float(clearances(exact, rows.x, rows.y, np.unwrap(rows.yaw)).min())
+    return PlanResult(
+        rows,
+        found.first_solution or math.nan,
+        planning,
+        cost,
+        found.nodes,
+        clearance,
+        verification,
+        no_slip,
+        request.planning_map.notes,
+    )
+
+
+def poses_of(request: PlanRequest) -> tuple[Pose, Pose]:
+    """Start and goal, both on the map."""
+    frame, found = grid_frame(request.planning_map), []
+    for name in ("start", "goal"):
+        pose = getattr(request.planning_map, name)
+        if pose is None:
+            raise UsageError(
+                f"--{name}", "nothing", f"X,Y,YAW_DEG, here or as `{name}: [x_m, y_m, yaw_deg]` in the map's YAML"
+            )
+        if frame.cell(pose[0], pose[1]) is None:
+            corners = [frame.to_world(c, r) for c in (0.0, frame.n_columns) for r in (0.0, frame.n_rows)]
+            x, y = ([corner[k] for corner in corners] for k in (0, 1))
+            given = f"{pose[0]:g},{pose[1]:g},{math.degrees(pose[2]):g}"
+            allowed = f"a place on the map, x from {min(x):g} to {max(x):g} m, y from {min(y):g} to {max(y):g} m"
+            raise UsageError(f"--{name}", given, allowed)
+        found.append(pose)
+    return found[0], found[1]
+
+
+def check_pose(request: PlanRequest, obstacles: Obstacles, name: str, pose: Pose) -> None:
+    """Refuse a start or goal at which the footprint, with the clearance, touches something."""
+    row, column = touched_cell(obstacles, *pose)
+    if row != NOWHERE:
+        room = f", {request.clearance:g} m of clearance included," if request.clearance else ""
+        raise NoAnswerError(f"{name}: the footprint{room} touches {describe_cell(request.planning_map, row, column)}")
+
+
+def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
+    """Why nothing can be driven."""
+    low, high = (math.degrees(slope) for slope in slope_range(field))
+    where = f"{low:.4g} deg" if is_plane(field) else f"{low:.4g} to {high:.4g} deg"
+    return (
+        f"{request.vehicle.name} can drive in no direction on {request.terrain.name} on this slope ({where}): "
+        "there is no equilibrium within the limits of the profile"
+    )
+
+
+def led_in(model: DriveModel, problem: Problem) -> Problem:
+    """The problem from half a blend ahead of the start to half a blend short of the goal, driven straight."""
+    poses = []
+    for pose, sense in ((problem.start, 0.5), (problem.goal, -0.5)):
+        x, y, yaw = pose
+        slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
+        way = sense * blend_length(model, slope, model.sharpest)
+        tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
+        poses.append((x + way * math.cos(tangent), y + way * math.sin(tangent), yaw))
+    return replace(problem, start=poses[0], goal=poses[1])
+
+
+def driven_plan(
+    request: PlanRequest, model: DriveModel, problem: Problem, progress: Progress
+) -> tuple[SearchResult, list[DrivenLine], float]:
+    """Search, and drive the best route that can be driven.
+
+    Raises
+    ------
+    NoAnswerError
+        If there is none.
+    """
+    reasons: list[str] = []
+    wider = request.clearance + WIDER * request.vehicle.contact_length
+    tries = [led_in(model, problem), problem, replace(led_in(model, problem), clearance=wider)]
+    for attempt in tries[1:] if request.reverse else tries:
+        found = search(attempt, request.search, progress)
+        if found.route is None:
+            reasons.append(found.reason)
+            continue
+        for improvement in found.improvements[::-1][:MOST_ROUTES]:
+            try:
+                driven = drive_route(model, improvement.route, problem.start, problem.goal)
+                return found, driven, improvement.cost
+            except Undrivable as problem_found:
+                reasons.append(f"a way was found but cannot be driven: {problem_found}")
+    raise NoAnswerError(reasons[0])
+
+
+def summary_of(result: PlanResult) -> dict[str, object]:
+    """A result as a JSON object."""
+    summary: dict[str, object] = {
+        "solved": True,
+        "first_solution_s": result.first_solution,
+        "planning_s": result.planning,
+        "length_m": result.rows.length,
+        "duration_s": float(result.rows.time[-1]),
+        "cost": result.cost,
+        "nodes": result.nodes,
+        "min_clearance_m": result.min_clearance,
+        "reason": "",
+    }
+    if result.verification is not None and result.no_slip is not None:
+        summary |= {
+            "max_deviation_m": result.verification.max_deviation,
+            "no_slip_max_deviation_m": result.no_slip.max_deviation,
+            "collision": result.verification.collision,
+            "simulated_min_clearance_m": result.verification.min_clearance,
+        }
+    return summary
+
+
+__all__ = ["Cost", "PlanRequest", "PlanResult", "plan", "summary_of"]

@@ -1,0 +1,332 @@
+"""From a route to what the vehicle drives: blended lines, speeds, sprocket rates, within all limits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from trackctl.planning.blending import Line, blended_route
+from trackctl.planning.clearance import first_hit
+from trackctl.planning.collision import Obstacles
+from trackctl.planning.ground import Cost, Ground, ground_of, rates_along, straight_tangent
+from trackctl.planning.pose import advanced
+from trackctl.planning.route import Route
+from trackctl.planning.slope_field import SlopeField
+from trackctl.planning.speed_profile import fastest_speed
+from trackctl.planning.steering_limits import SteeringLimits
+from trackctl.planning.surface_line import SurfaceLine, gradients_along, on_ground, on_map, surface_line
+from trackctl.profiles.terrain import TerrainProfile
+from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.simulation.path import Path
+from trackctl.simulation.path_rule import Ground as PathGround
+from trackctl.simulation.path_rule import PathCommands, no_slip_ratios, path_commands
+from trackctl.simulation.vehicle_rates import Scene, scene
+
+Array = NDArray[np.float64]
+Pose = tuple[float, float, float]
+
+#: Between samples of a line, over the contact length, and at most. [m]
+SPACING, LONGEST_STEP = 1.0 / 48.0, 0.05
+#: Between rows, over the contact length, and at most. [m]
+ROW_SPACING, LONGEST_ROW = 1.0 / 12.0, 0.1
+#: Between poses that are checked for collisions, in cells.
+CHECKED = 0.25
+#: Largest residual of commands.
+LARGEST_RESIDUAL = 1e-8
+#: Limits are planned with this share, so that rounding does not exceed them.
+SHARE = 0.97
+#: Slip that a plan may need, or so many times that of the steady turns, if it is more. [-]
+MOST_SLIP, MORE_SLIP = 0.25, 1.5
+#: Rounds of slowing down where a limit is exceeded, and the excess that an unsolved sample counts as.
+SLOWER_ROUNDS, UNSOLVED_EXCESS = 10, 2.0
+#: Rounds in which the tangents at the ends settle to the sideslip there.
+END_ROUNDS, SETTLED = 4, 1e-7
+#: Slope from which tight turns, of radii below two contact lengths, need blends of as much. [rad]
+STEEP = math.radians(15.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DriveModel:
+    """What turns a route into commands.
+
+    Attributes
+    ----------
+    vehicle, terrain
+        Profiles.
+    field
+        Slope of the map.
+    forward, backward
+        Limits of steering in either gear; None: forward only.
+    obstacles
+        What the footprint must not touch.
+    ahead, behind
+        The vehicle, and as it is when turned round to drive backwards.
+    pace, slips
+        Speeds and slips of steady turns as the search's kernels read them.
+    sharpest
+        Largest curvature. [1/m]
+    """
+
+    vehicle: VehicleProfile
+    terrain: TerrainProfile
+    field: SlopeField
+    obstacles: Obstacles
+    ahead: Scene
+    behind: Scene
+    pace: Ground
+    slips: Ground
+    sharpest: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrivenLine:
+    """A line with its commands.
+
+    Attributes
+    ----------
+    line
+        On the map.
+    surface
+        On the ground.
+    place
+        Arc lengths on the map of the samples of the commands. [m]
+    commands
+        In the direction of travel.
+    """
+
+    line: Line
+    surface: SurfaceLine
+    place: Array
+    commands: PathCommands
+
+    def surface_at(self, name: str) -> Array:
+        """A quantity of the surface line at the commands' samples."""
+        return np.interp(self.commands.path.arc_length, self.surface.arc_length, getattr(self.surface, name))
+
+
+class Undrivable(Exception):
+    """A route cannot be driven; says why."""
+
+
+def turned_round(vehicle: VehicleProfile) -> VehicleProfile:
+    """The vehicle with its rear in front."""
+    footprint = tuple((-x, -y) for x, y in vehicle.footprint)
+    return replace(vehicle, cog_forward=-vehicle.cog_forward, cog_left=-vehicle.cog_left, footprint=footprint)
+
+
+def drive_model(
+    vehicle: VehicleProfile,
+    terrain: TerrainProfile,
+    gravity: float,
+    field: SlopeField,
+    obstacles: Obstacles,
+    limits: tuple[SteeringLimits, SteeringLimits | None],
+) -> DriveModel:
+    """The model of profiles, gravity [m/s2], slopes, obstacles and limits of both gears."""
+    ahead, behind = (scene(each, terrain, gravity, 0.0, 0.0) for each in (vehicle, turned_round(vehicle)))
+    pace, slips = (ground_of(field, *limits, cost) for cost in (Cost.TIME, Cost.SLIP))
+    return DriveModel(
+        vehicle, terrain, field, obstacles, ahead, behind, pace, slips, float(limits[0].curvature[-1])
+    )
+
+
+def blend_length(model: DriveModel, slope: float, sharpest: float) -> float:
+    """Over which curvature may change on a slope, in turns up to a curvature; see the model page. [m]"""
+    length = model.vehicle.contact_length
+    if slope >= STEEP and sharpest * 2.0 * length > 1.0:
+        return 2.0 * length
+    return max(length, 2.0 * length * math.tan(slope) / model.terrain.friction_coefficient)
+
+
+def slopes_at(model: DriveModel, x: Array, y: Array) -> Array:
+    """Slope angle at points of the map; 0 where it is not known. [rad]"""
+    return np.arctan(np.nan_to_num(np.hypot(*gradients_along(model.field, x, y))))
+
+
+def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> list[DrivenLine]:
+    """Drive a route from pose to pose, x, y [m] and yaw [rad], both met exactly.
+
+    Raises
+    ------
+    Undrivable
+        If it cannot be blended, touches something, or asks for more than the vehicle can.
+    """
+    if np.any(route.pivot != 0.0):
+        raise Undrivable("it turns on the spot")
+    blend = blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
+    backwards = [bool(route.length[k] < 0.0) for k in (0, -1)]
+    tangents = [
+        straight_tangent(model.pace, model.pace.backward if back else model.pace.forward, *pose)
+        for pose, back in zip((start, goal), backwards, strict=True)
+    ]
+    changes = int(np.count_nonzero(np.diff(np.sign(route.length[route.length != 0.0]))))
+    kinks = [0.0] * changes
+    for turn in range(END_ROUNDS):
+        ends = [(*pose[:2], tangent) for pose, tangent in zip((start, goal), tangents, strict=True)]
+        lines = blended_route(route, ends[0], ends[1], blend, model.sharpest, kinks)
+        if lines is None:
+            raise Undrivable("its turns leave no room for blends")
+        if turn == 0:
+            check_roughly(model, lines)
+        driven = [drive_line(model, line) for line in lines]
+        sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
+        settled = [tangent_of(model, pose, beta) for pose, beta in zip((start, goal), sideslips, strict=True)]
+        kinks = [
+            float(after.commands.sideslip[0] - before.commands.sideslip[-1])
+            for before, after in zip(driven, driven[1:], strict=False)
+        ]
+        moved = max(abs(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(settled, tangents, strict=True))
+        tangents = settled
+        if moved < SETTLED:
+            break
+    check_clear(model, driven)
+    return driven
+
+
+def steepest_along(model: DriveModel, route: Route) -> float:
+    """Largest slope under a route, looked for at a few points of each piece. [rad]"""
+    pose, points = route.start, [route.start]
+    for curvature, length in zip(route.curvature, route.length, strict=True):
+        points += [advanced(*pose, curvature, share * length) for share in (0.25, 0.5, 0.75, 1.0)]
+        pose = points[-1]
+    x, y, _ = np.array(points).T
+    return float(slopes_at(model, np.ascontiguousarray(x), np.ascontiguousarray(y)).max())
+
+
+def tangent_of(model: DriveModel, pose: Pose, sideslip: float) -> float:
+    """Tangent on the map of a body's pose with a sideslip. [rad]"""
+    x, y, yaw = pose
+    g_x, g_y = gradients_along(model.field, np.array([x]), np.array([y]))
+    uphill = math.atan2(g_y[0], g_x[0])
+    if model.field.gradient_x.size == 1:
+        return yaw + sideslip
+    slope = np.arctan(np.hypot(g_x, g_y))
+    return uphill + float(on_map(on_ground(np.array([yaw - uphill]), slope) + sideslip, slope)[0])
+
+
+def limits_along(
+    model: DriveModel, line: Line, pose: tuple[Array, Array, Array], curvature: Array
+) -> tuple[Array, Array, Array]:
+    """Speed [m/s], sideslip [rad] and slip of the steady turns along a line; a speed of 0 where there is none."""
+    x, y, direction = pose
+    tangent, bend = (direction - math.pi, -curvature) if line.backwards else (direction, curvature)
+    gears = [(ground.backward if line.backwards else ground.forward) for ground in (model.pace, model.slips)]
+    pace, sideslip = rates_along(model.pace, gears[0], x, y, tangent, bend)
+    slip, _ = rates_along(model.slips, gears[1], x, y, tangent, bend)
+    return 1.0 / pace, sideslip, slip
+
+
+def samples_of(model: DriveModel, line: Line) -> tuple[Array, tuple[Array, Array, Array], Array]:
+    """Arc length, pose and curvature at even steps."""
+    step = min(SPACING * model.vehicle.contact_length, LONGEST_STEP)
+    arc_length = np.linspace(0.0, line.length, max(math.ceil(line.length / step), 8) + 1)
+    return arc_length, line.at(arc_length), line.curvature_at(arc_length)
+
+
+def check_roughly(model: DriveModel, lines: Sequence[Line]) -> None:
+    """Refuse lines that touch something with the sideslip of steady turns, before anything is solved."""
+    for line in lines:
+        _, pose, curvature = samples_of(model, line)
+        speed, sideslip, _ = limits_along(model, line, pose, curvature)
+        if not (speed > 0.0).all():
+            place = int(np.argmin(speed > 0.0))
+            raise Undrivable(
+                f"no feasible speed at ({pose[0][place]:.2f}, {pose[1][place]:.2f}) m in a turn of {curvature[place]:.3g} 1/m"
+            )
+        yaw = pose[2] - sideslip + (math.pi if line.backwards else 0.0)
+        check_poses(model, pose[0], pose[1], yaw)
+
+
+def check_poses(model: DriveModel, x: Array, y: Array, yaw: Array) -> None:
+    """Refuse poses, and what lies between them, that touch something."""
+    way = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
+    fine = np.linspace(0.0, way[-1], math.ceil(way[-1] / (CHECKED * model.obstacles.resolution)) + 2)
+    hit = first_hit(model.obstacles, *(np.interp(fine, way, values) for values in (x, y, np.unwrap(yaw))))
+    if hit is not None:
+        at = [float(np.interp(fine[hit], way, values)) for values in (x, y)]
+        raise Undrivable(f"it touches an obstacle at ({at[0]:.2f}, {at[1]:.2f}) m")
+
+
+def drive_line(model: DriveModel, line: Line) -> DrivenLine:
+    """Commands along a line from rest to rest, as fast as all limits allow.
+
+    The speed is that of the steady turns first; where the commands then exceed a limit, or have no equilibrium, it is
+    lowered, and with it the acceleration.
+    """
+    place, pose, curvature = samples_of(model, line)
+    surface = surface_line(model.field, place, pose, curvature)
+    most, _, steady_slip = limits_along(model, line, pose, curvature)
+    if not (most > 0.0).all():
+        raise Undrivable("no feasible speed on it")
+    acceleration = np.full_like(most, SHARE * model.vehicle.max_acceleration)
+    allowed_slip = np.maximum(MOST_SLIP, MORE_SLIP * steady_slip)
+    width = math.ceil(model.vehicle.contact_length / (place[1] - place[0]))
+    for _ in range(SLOWER_ROUNDS):
+        speed = fastest_speed(surface.arc_length, most, acceleration, 0.0, 0.0)
+        path = Path(surface.arc_length, pose[0], pose[1], surface.direction, surface.curvature, speed)
+        ground = PathGround(surface.arc_length, surface.slope, surface.uphill)
+        commands = path_commands(model.behind if line.backwards else model.ahead, path, ground)
+        slips = np.interp(commands.path.arc_length, surface.arc_length, allowed_slip)
+        excess = excess_of(model, commands, slips)
+        if excess.max() <= 1.0:
+            return DrivenLine(
+                line, surface, np.interp(commands.path.arc_length, surface.arc_length, place), commands
+            )
+        factor = np.interp(surface.arc_length, commands.path.arc_length, np.maximum(excess / SHARE, 1.0))
+        factor = maximum_filter1d(factor, width, mode="nearest")
+        most, acceleration = np.minimum(most, speed.max()) / np.sqrt(factor), acceleration / factor
+    worst = int(np.argmax(excess))
+    raise Undrivable(
+        f"a limit of the vehicle or of the ground is exceeded {commands.path.arc_length[worst]:.2f} m along it, "
+        "however slowly"
+    )
+
+
+def excess_of(model: DriveModel, commands: PathCommands, allowed_slip: Array) -> Array:
+    """Sprocket rates, their changes and slips over what is allowed, the largest of each sample."""
+    vehicle = model.vehicle
+    rates = np.stack((commands.track_speed_left, commands.track_speed_right)) / vehicle.sprocket_radius
+    change = np.abs(np.diff(rates, axis=1)) / np.diff(commands.time)
+    change = np.maximum(np.pad(change, ((0, 0), (1, 0))), np.pad(change, ((0, 0), (0, 1))))
+    slip = np.maximum(np.abs(commands.slip_left), np.abs(commands.slip_right))
+    found = np.stack(
+        (
+            np.abs(rates).max(axis=0) / (SHARE * vehicle.max_sprocket_rate),
+            change.max(axis=0) / (SHARE * vehicle.max_sprocket_acceleration),
+            slip / allowed_slip,
+            np.where(commands.residual <= LARGEST_RESIDUAL, 0.0, UNSOLVED_EXCESS),
+        )
+    )
+    excess: Array = found.max(axis=0)
+    return np.minimum(np.where(np.isfinite(excess), excess, UNSOLVED_EXCESS), 4.0)
+
+
+def check_clear(model: DriveModel, driven: Sequence[DrivenLine]) -> None:
+    """Refuse what touches something, with the sideslips that are commanded."""
+    for each in driven:
+        x, y, yaw = map_poses(each)
+        check_poses(model, x, y, yaw)
+
+
+def map_poses(driven: DrivenLine) -> tuple[Array, Array, Array]:
+    """Position [m] and yaw of the body [rad] on the map at the commands' samples, the yaw without jumps."""
+    x, y, direction = driven.line.at(driven.place)
+    slope, uphill = driven.surface_at("slope"), driven.surface_at("map_uphill")
+    if driven.surface.uphill is driven.surface.map_uphill:
+        yaw = direction - driven.commands.sideslip
+    else:
+        yaw = uphill + on_map(on_ground(direction - uphill, slope) - driven.commands.sideslip, slope)
+    return x, y, np.unwrap(yaw) + (math.pi if driven.line.backwards else 0.0)
+
+
+def no_slip_twin(model: DriveModel, driven: DrivenLine) -> DrivenLine:
+    """The same with commands that would drive it without slip."""
+    path = driven.commands.path
+    left, right, _ = no_slip_ratios((model.behind if driven.line.backwards else model.ahead).model, path.curvature)
+    speeds = {"track_speed_left": left * path.speed, "track_speed_right": right * path.speed}
+    return replace(driven, commands=replace(driven.commands, **speeds))
