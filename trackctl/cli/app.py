@@ -24,6 +24,7 @@ from trackctl.cli.forces import forces
 from trackctl.cli.identify import identify
 from trackctl.cli.info import info
 from trackctl.cli.lookup import lookup
+from trackctl.cli.plan import plan
 from trackctl.cli.plot import plot
 from trackctl.cli.predict import predict
 from trackctl.cli.registration import add_command, help_texts
@@ -43,6 +44,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     info,
     sensitivity,
     sweep,
+    plan,
     simulate,
     forces,
     identify,

@@ -1,6 +1,6 @@
-"""Ways whose curvature does not jump: the arcs of a route, blended into each other, from the same start to the same goal.
+"""Ways whose curvature does not jump: the arcs of a route blended into each other, with the same ends.
 
-The curvature of a route is averaged over a moving window of the blend's length: every jump becomes a linear ramp of that
+The curvature of a route is averaged over a moving window of the blend's length: every jump becomes a ramp of that
 length, turns keep their angles, and pieces shorter than the window are rounded off. The curvature is 0 at both ends of
 a stretch, which is longer than its pieces by one blend, half of it at either end: a route is best searched between
 poses half a blend ahead of the start and short of the goal. What then is missing to the goal, little, is shared out
@@ -95,9 +95,7 @@ class Line:
         curvature = np.interp(grid, self.knots, self.curvature)
         step = np.diff(grid)
         bend = np.diff(curvature) / np.where(step > 0.0, step, 1.0)
-        direction = self.start[2] + np.concatenate(
-            ([0.0], np.cumsum(0.5 * step * (curvature[1:] + curvature[:-1])))
-        )
+        direction = self.start[2] + np.concatenate(([0.0], np.cumsum(0.5 * step * (curvature[1:] + curvature[:-1]))))
         inside = 0.5 * step[:, None] * (1.0 + NODES)
         angle = direction[:-1, None] + inside * (curvature[:-1, None] + 0.5 * bend[:, None] * inside)
         x = self.start[0] + np.concatenate(([0.0], np.cumsum(0.5 * step * (np.cos(angle) @ WEIGHTS))))
@@ -125,9 +123,7 @@ def stretches_of(route: Route) -> list[Stretch]:
         if abs(curvature - last.curvature[-1]) < SAME_CURVATURE:
             last.length[-1] += abs(length)
         else:
-            found[-1] = Stretch(
-                backwards, np.append(last.curvature, curvature), np.append(last.length, abs(length))
-            )
+            found[-1] = Stretch(backwards, np.append(last.curvature, curvature), np.append(last.length, abs(length)))
     return found
 
 

@@ -70,7 +70,9 @@ def on_map(angle: Array, slope: Array) -> Array:
     return np.arctan2(np.sin(angle), np.cos(angle) * np.cos(slope))
 
 
-def surface_line(field: SlopeField, arc_length: Array, pose: tuple[Array, Array, Array], curvature: Array) -> SurfaceLine:
+def surface_line(
+    field: SlopeField, arc_length: Array, pose: tuple[Array, Array, Array], curvature: Array
+) -> SurfaceLine:
     """Lay a line of the map on the ground.
 
     Parameters
@@ -91,12 +93,11 @@ def surface_line(field: SlopeField, arc_length: Array, pose: tuple[Array, Array,
         return SurfaceLine(arc_length, direction, curvature, slope, map_uphill, map_uphill)
     rise = g_x * np.cos(direction) + g_y * np.sin(direction)
     stretch = np.sqrt(1.0 + rise**2)
-    length = arc_length[0] + cumulative_trapezoid(stretch, arc_length, initial=0.0)
+    length = arc_length[0] + cumulative_trapezoid(stretch, arc_length, initial=0)
     tangent = np.stack((np.cos(direction), np.sin(direction), rise)) / stretch
     normal = np.stack((-g_x, -g_y, np.ones_like(g_x))) * np.cos(slope)
     bend = np.gradient(tangent, length, axis=1)
     geodesic = np.einsum("in,in->n", normal, np.cross(tangent, bend, axis=0))
-    unrolled = direction[0] + cumulative_trapezoid(geodesic, length, initial=0.0)
+    unrolled = direction[0] + cumulative_trapezoid(geodesic, length, initial=0)
     uphill = unrolled - on_ground(direction - map_uphill, slope)
     return SurfaceLine(length, unrolled, geodesic, slope, np.unwrap(uphill), map_uphill)
-

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
@@ -36,7 +37,7 @@ class MapImage:
     origin: tuple[float, float, float]
 
 
-def draw_plan(columns: Columns, ground: MapImage | None = None) -> Figure:
+def draw_plan(columns: Columns, ground: MapImage | None = None, outline: Array | None = None) -> Figure:
     """The path, with the body's heading, and over time what the tracks are told and do.
 
     Parameters
@@ -46,11 +47,15 @@ def draw_plan(columns: Columns, ground: MapImage | None = None) -> Figure:
         `segment`. [SI]
     ground
         The map, if there is one.
+    outline : ndarray, shape (n, 2)
+        The body's about its mass centre, to be drawn at intervals, if it is known. [m]
     """
     figure = style.page("Planned trajectory", 3, 6.2)
     path, legend, (speed, rates, slips, sideslip) = style.path_beside_times(figure, 4)
     time = columns["time"]
     draw_path(path, columns, ground)
+    if outline is not None:
+        draw_outlines(path, columns, outline)
     style.caption(path, 0, "Path of the mass centre")
     style.legend_apart(legend, path)
     speed.plot(time, columns["velocity"], color=style.BLACK)
@@ -79,7 +84,7 @@ def draw_path(axes: Axes, columns: Columns, ground: MapImage | None) -> None:
         draw_map(axes, ground)
     x, y, yaw = columns["x"], columns["y"], columns["yaw"]
     axes.plot(x, y, color=style.BLUE, label="path")
-    marked = np.unique(np.linspace(0, x.size - 1, POSES).round().astype(int))
+    marked = poses_marked(columns)
     axes.quiver(
         x[marked],
         y[marked],
@@ -97,6 +102,28 @@ def draw_path(axes: Axes, columns: Columns, ground: MapImage | None) -> None:
     if borders.size:
         axes.plot(x[borders], y[borders], color=style.GREY, marker="|", linestyle="", label="end of a segment")
     style.plan_view(axes)
+
+
+def draw_outlines(axes: Axes, columns: Columns, outline: Array) -> None:
+    """The body's outline at intervals of the path."""
+    marked = poses_marked(columns)
+    closed = np.append(outline, outline[:1], axis=0)
+    places = [
+        np.stack(
+            (
+                x + np.cos(yaw) * closed[:, 0] - np.sin(yaw) * closed[:, 1],
+                y + np.sin(yaw) * closed[:, 0] + np.cos(yaw) * closed[:, 1],
+            ),
+            axis=1,
+        )
+        for x, y, yaw in zip(*(columns[name][marked] for name in ("x", "y", "yaw")), strict=True)
+    ]
+    axes.add_collection(LineCollection(places, colors=style.GREEN, linewidths=0.5, label="outline of the body"))
+
+
+def poses_marked(columns: Columns) -> NDArray[np.intp]:
+    """Rows at which the body is drawn."""
+    return np.unique(np.linspace(0, columns["x"].size - 1, POSES).round().astype(np.intp))
 
 
 def draw_map(axes: Axes, ground: MapImage) -> None:

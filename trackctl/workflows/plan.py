@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +16,10 @@ from trackctl.lut.table import Table
 from trackctl.planning.blocked_cell import describe_cell
 from trackctl.planning.clearance import clearances
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
+from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, straight_tangent
-from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, slope_field
+from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, overridden, slope_field
 from trackctl.planning.search import Problem, SearchResult, Settings, search
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
@@ -26,10 +27,11 @@ from trackctl.planning.surface_line import is_plane
 from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhere, searched, table_limits
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import (
-    DrivenLine,
     DriveModel,
-    Undrivable,
+    DrivenLine,
+    UndrivableError,
     blend_length,
     drive_model,
     drive_route,
@@ -86,7 +88,7 @@ class PlanRequest:
     terrain: TerrainProfile
     gravity: float
     lut: Path | None = None
-    search: Settings = Settings()
+    search: Settings = field(default_factory=Settings)
     most_speed: float | None = None
     clearance: float = 0.0
     reverse: bool = False
@@ -111,6 +113,8 @@ class PlanResult:
         Of the tree.
     min_clearance
         Least distance of the footprint from blocked cells. [m]
+    grid, outline
+        Blocked cells, and the footprint about the mass centre, shape (n, 2). [m]
     verification, no_slip
         Of the plan and of commands that would drive it without slip, where asked for.
     notes
@@ -123,9 +127,21 @@ class PlanResult:
     cost: float
     nodes: int
     min_clearance: float
+    grid: CollisionGrid
+    outline: Array
     verification: Verification | None
     no_slip: Verification | None
     notes: tuple[str, ...]
+
+
+def search_settings(seed: int, time_limit: float, iterations: int | None, cost: PlanCost) -> Settings:
+    """How to search, for so many seconds or iterations."""
+    return Settings(seed=seed, time_limit=time_limit, iterations=iterations, cost=Cost(cost.value))
+
+
+def changed_map(planning_map: PlanningMap, notes: tuple[str, ...], **given: object) -> PlanningMap:
+    """A map with values given in place of its own, and further notes; see `overridden`."""
+    return overridden(planning_map, notes=planning_map.notes + notes, **given)
 
 
 def sharpest_curvature(vehicle: VehicleProfile) -> float:
@@ -193,22 +209,20 @@ def plan(
         If start or goal lie outside the map, or the map or the table is not fit.
     """
     start, goal = poses_of(request)
-    field = slope_field(request.planning_map, request.vehicle.footprint)
-    grid = collision_grid(request.planning_map, field, allow_unknown=request.allow_unknown)
+    ground = slope_field(request.planning_map, request.vehicle.footprint)
+    grid = collision_grid(request.planning_map, ground, allow_unknown=request.allow_unknown)
     outline = np.array(request.vehicle.footprint) - (request.vehicle.cog_forward, request.vehicle.cog_left)
     exact = obstacles_of(grid, footprint_of(outline))
     roomy = obstacles_of(grid, footprint_of(outline), request.clearance)
     check_pose(request, roomy, "start", start)
     check_pose(request, roomy, "goal", goal)
-    forward, backward = steering(request, field, compiling)
+    forward, backward = steering(request, ground, compiling)
     if not is_feasible_somewhere(forward):
-        raise NoAnswerError(infeasible_ground(request, field))
-    model = drive_model(
-        request.vehicle, request.terrain, request.gravity, field, roomy, (forward, backward)
-    )
+        raise NoAnswerError(infeasible_ground(request, ground))
+    model = drive_model(request.vehicle, request.terrain, request.gravity, ground, roomy, (forward, backward))
     problem = Problem(
         grid,
-        field,
+        ground,
         outline,
         start,
         goal,
@@ -216,6 +230,8 @@ def plan(
         None if backward is None else searched(backward),
         request.clearance,
     )
+    # Kernels that are to be compiled are no part of the time that a search may take.
+    search(problem, replace(request.search, iterations=1))
     begin = time.perf_counter()
     found, driven, cost = driven_plan(request, model, problem, searching)
     rows = rows_of(model, driven)
@@ -233,6 +249,8 @@ def plan(
         cost,
         found.nodes,
         clearance,
+        grid,
+        outline,
         verification,
         no_slip,
         request.planning_map.notes,
@@ -310,7 +328,7 @@ def driven_plan(
             try:
                 driven = drive_route(model, improvement.route, problem.start, problem.goal)
                 return found, driven, improvement.cost
-            except Undrivable as problem_found:
+            except UndrivableError as problem_found:
                 reasons.append(f"a way was found but cannot be driven: {problem_found}")
     raise NoAnswerError(reasons[0])
 
@@ -336,6 +354,3 @@ def summary_of(result: PlanResult) -> dict[str, object]:
             "simulated_min_clearance_m": result.verification.min_clearance,
         }
     return summary
-
-
-__all__ = ["Cost", "PlanRequest", "PlanResult", "plan", "summary_of"]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -106,10 +107,11 @@ class DrivenLine:
 
     def surface_at(self, name: str) -> Array:
         """A quantity of the surface line at the commands' samples."""
-        return np.interp(self.commands.path.arc_length, self.surface.arc_length, getattr(self.surface, name))
+        values: Array = getattr(self.surface, name)
+        return np.interp(self.commands.path.arc_length, self.surface.arc_length, values)
 
 
-class Undrivable(Exception):
+class UndrivableError(Exception):
     """A route cannot be driven; says why."""
 
 
@@ -130,9 +132,7 @@ def drive_model(
     """The model of profiles, gravity [m/s2], slopes, obstacles and limits of both gears."""
     ahead, behind = (scene(each, terrain, gravity, 0.0, 0.0) for each in (vehicle, turned_round(vehicle)))
     pace, slips = (ground_of(field, *limits, cost) for cost in (Cost.TIME, Cost.SLIP))
-    return DriveModel(
-        vehicle, terrain, field, obstacles, ahead, behind, pace, slips, float(limits[0].curvature[-1])
-    )
+    return DriveModel(vehicle, terrain, field, obstacles, ahead, behind, pace, slips, float(limits[0].curvature[-1]))
 
 
 def blend_length(model: DriveModel, slope: float, sharpest: float) -> float:
@@ -145,7 +145,8 @@ def blend_length(model: DriveModel, slope: float, sharpest: float) -> float:
 
 def slopes_at(model: DriveModel, x: Array, y: Array) -> Array:
     """Slope angle at points of the map; 0 where it is not known. [rad]"""
-    return np.arctan(np.nan_to_num(np.hypot(*gradients_along(model.field, x, y))))
+    g_x, g_y = gradients_along(model.field, x, y)
+    return np.asarray(np.arctan(np.nan_to_num(np.hypot(g_x, g_y))))
 
 
 def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> list[DrivenLine]:
@@ -153,11 +154,11 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
 
     Raises
     ------
-    Undrivable
+    UndrivableError
         If it cannot be blended, touches something, or asks for more than the vehicle can.
     """
     if np.any(route.pivot != 0.0):
-        raise Undrivable("it turns on the spot")
+        raise UndrivableError("it turns on the spot")
     blend = blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
     backwards = [bool(route.length[k] < 0.0) for k in (0, -1)]
     tangents = [
@@ -170,16 +171,13 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
         ends = [(*pose[:2], tangent) for pose, tangent in zip((start, goal), tangents, strict=True)]
         lines = blended_route(route, ends[0], ends[1], blend, model.sharpest, kinks)
         if lines is None:
-            raise Undrivable("its turns leave no room for blends")
+            raise UndrivableError("its turns leave no room for blends")
         if turn == 0:
             check_roughly(model, lines)
         driven = [drive_line(model, line) for line in lines]
         sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
         settled = [tangent_of(model, pose, beta) for pose, beta in zip((start, goal), sideslips, strict=True)]
-        kinks = [
-            float(after.commands.sideslip[0] - before.commands.sideslip[-1])
-            for before, after in zip(driven, driven[1:], strict=False)
-        ]
+        kinks = [float(after.commands.sideslip[0] - before.commands.sideslip[-1]) for before, after in pairwise(driven)]
         moved = max(abs(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(settled, tangents, strict=True))
         tangents = settled
         if moved < SETTLED:
@@ -235,8 +233,9 @@ def check_roughly(model: DriveModel, lines: Sequence[Line]) -> None:
         speed, sideslip, _ = limits_along(model, line, pose, curvature)
         if not (speed > 0.0).all():
             place = int(np.argmin(speed > 0.0))
-            raise Undrivable(
-                f"no feasible speed at ({pose[0][place]:.2f}, {pose[1][place]:.2f}) m in a turn of {curvature[place]:.3g} 1/m"
+            raise UndrivableError(
+                f"no feasible speed at ({pose[0][place]:.2f}, {pose[1][place]:.2f}) m, in a turn of "
+                f"{curvature[place]:.3g} 1/m"
             )
         yaw = pose[2] - sideslip + (math.pi if line.backwards else 0.0)
         check_poses(model, pose[0], pose[1], yaw)
@@ -249,7 +248,7 @@ def check_poses(model: DriveModel, x: Array, y: Array, yaw: Array) -> None:
     hit = first_hit(model.obstacles, *(np.interp(fine, way, values) for values in (x, y, np.unwrap(yaw))))
     if hit is not None:
         at = [float(np.interp(fine[hit], way, values)) for values in (x, y)]
-        raise Undrivable(f"it touches an obstacle at ({at[0]:.2f}, {at[1]:.2f}) m")
+        raise UndrivableError(f"it touches an obstacle at ({at[0]:.2f}, {at[1]:.2f}) m")
 
 
 def drive_line(model: DriveModel, line: Line) -> DrivenLine:
@@ -262,7 +261,7 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
     surface = surface_line(model.field, place, pose, curvature)
     most, _, steady_slip = limits_along(model, line, pose, curvature)
     if not (most > 0.0).all():
-        raise Undrivable("no feasible speed on it")
+        raise UndrivableError("no feasible speed on it")
     acceleration = np.full_like(most, SHARE * model.vehicle.max_acceleration)
     allowed_slip = np.maximum(MOST_SLIP, MORE_SLIP * steady_slip)
     width = math.ceil(model.vehicle.contact_length / (place[1] - place[0]))
@@ -274,14 +273,12 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
         slips = np.interp(commands.path.arc_length, surface.arc_length, allowed_slip)
         excess = excess_of(model, commands, slips)
         if excess.max() <= 1.0:
-            return DrivenLine(
-                line, surface, np.interp(commands.path.arc_length, surface.arc_length, place), commands
-            )
+            return DrivenLine(line, surface, np.interp(commands.path.arc_length, surface.arc_length, place), commands)
         factor = np.interp(surface.arc_length, commands.path.arc_length, np.maximum(excess / SHARE, 1.0))
         factor = maximum_filter1d(factor, width, mode="nearest")
         most, acceleration = np.minimum(most, speed.max()) / np.sqrt(factor), acceleration / factor
     worst = int(np.argmax(excess))
-    raise Undrivable(
+    raise UndrivableError(
         f"a limit of the vehicle or of the ground is exceeded {commands.path.arc_length[worst]:.2f} m along it, "
         "however slowly"
     )

@@ -22,7 +22,7 @@ from trackctl.workflows.unrolled_ground import PlannedGround, Unrolled, unrolled
 
 Array = NDArray[np.float64]
 
-TOLERANCE = 1e-6
+TOLERANCE = 1e-5
 #: Between poses that are compared and checked. [s]
 INTERVAL = 0.01
 
@@ -105,8 +105,6 @@ def verify(
     return Verification(away, clearance, clearance <= 0.0, "" if done else end.name.lower())
 
 
-def on_the_map(
-    flat: Unrolled | None, time: Array, x: Array, y: Array, yaw: Array
-) -> tuple[Array, Array, Array]:
+def on_the_map(flat: Unrolled | None, time: Array, x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Array]:
     """Simulated poses on the map."""
     return (x, y, yaw) if flat is None else flat.to_map(time, x, y, yaw)
