@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from trackctl.workflows.simulate import CircleTarget, SimulateResult
 
 DEFAULT_SLOPE_DEG, DEFAULT_RADIUS, DEFAULT_SPEED, DEFAULT_LAPS = 12.13, 2.0, 2.0 / 3.6, 3
+DEFAULT_UPHILL_DEG = 90.0
 STEEPEST_DEG, FASTEST, MOST_LAPS, MOST_ROWS = 45.0, 100.0, 1000, 10_000_000
 
 
@@ -89,11 +90,20 @@ def simulate(
     ] = True,
     slope_deg: Annotated[
         float | None,
-        typer.Option("--slope-deg", help="Slope angle, 0 to 45.", show_default="12.13; 0 under track forces"),
+        typer.Option(
+            "--slope-deg",
+            help="Slope angle of one plane, 0 to 45.",
+            show_default="12.13; 0 under track forces; the ground of a plan",
+        ),
     ] = None,
     uphill_yaw_deg: Annotated[
-        float, typer.Option("--uphill-yaw-deg", help="Direction of up-slope, counter-clockwise from the x axis.")
-    ] = 90.0,
+        float | None,
+        typer.Option(
+            "--uphill-yaw-deg",
+            help="Direction of up-slope, counter-clockwise from the x axis.",
+            show_default="90; the ground of a plan",
+        ),
+    ] = None,
     vehicle: options.Vehicle = options.DEFAULT_VEHICLE,
     terrain: options.Terrain = options.DEFAULT_TERRAIN,
     gravity_mps2: options.Gravity = options.DEFAULT_GRAVITY,
@@ -125,7 +135,8 @@ def simulate(
     circle_given = {"--circle-radius-m": circle_radius_m, "--speed-mps": speed_mps, "--laps": laps}
     check_one_drive(commands_csv, track_speeds_mps, circle_given)
     check_within("--rtol", rtol, 1e-12, 1e-2)
-    check_within("--uphill-yaw-deg", uphill_yaw_deg, -360.0, 360.0)
+    if uphill_yaw_deg is not None:
+        check_within("--uphill-yaw-deg", uphill_yaw_deg, -360.0, 360.0)
     if duration_s is not None and not 0.0 < duration_s < math.inf:
         raise UsageError("--duration-s", duration_s, "above 0")
     if not 0.0 < interval_s < math.inf:
@@ -143,14 +154,13 @@ def simulate(
     has_target = isinstance(drive, CircleTarget) or drive.target is not None
     if feedback is not Measured.NONE and (forced or not has_target):
         raise UsageError("--feedback", feedback.value, "only for a circle, or track speeds with a target beside them")
-    slope = (0.0 if forced else DEFAULT_SLOPE_DEG) if slope_deg is None else slope_deg
-    check_within("--slope-deg", slope, 0.0, 0.0 if forced else STEEPEST_DEG)
+    slope = asked_slope(drive, slope_deg, uphill_yaw_deg, forced)
     request = SimulateRequest(
         carrier,
         load_terrain(terrain),
         gravity_mps2,
-        math.radians(slope),
-        math.radians(uphill_yaw_deg),
+        slope,
+        math.radians(DEFAULT_UPHILL_DEG if uphill_yaw_deg is None else uphill_yaw_deg),
         drive,
         feedback,
         None if initial is None else initial_state(initial),
@@ -167,6 +177,22 @@ def simulate(
     report(result, quiet)
     if result.problem:
         raise NoAnswerError(result.problem)
+
+
+def asked_slope(
+    drive: CircleTarget | DriveCommands, slope_deg: float | None, uphill_yaw_deg: float | None, forced: bool
+) -> float | None:
+    """Slope of the plane [rad], None for the ground that a plan stands on."""
+    from trackctl.workflows.simulate import CircleTarget
+
+    planned = not isinstance(drive, CircleTarget) and drive.ground is not None
+    if slope_deg is None and planned:
+        if uphill_yaw_deg is not None:
+            raise UsageError("--uphill-yaw-deg", uphill_yaw_deg, "beside a plan only with --slope-deg")
+        return None
+    slope = (0.0 if forced else DEFAULT_SLOPE_DEG) if slope_deg is None else slope_deg
+    check_within("--slope-deg", slope, 0.0, 0.0 if forced else STEEPEST_DEG)
+    return math.radians(slope)
 
 
 def check_one_drive(commands_csv: str | None, track_speeds: str | None, circle: dict[str, float | None]) -> None:

@@ -62,12 +62,12 @@ def is_plane(field: SlopeField) -> bool:
 
 def on_ground(angle: Array, slope: Array) -> Array:
     """Angle from up-slope in the ground's plane, of one on the map: what leads uphill is longer by 1/cos(slope)."""
-    return np.arctan2(np.sin(angle) * np.cos(slope), np.cos(angle))
+    return np.asarray(np.arctan2(np.sin(angle) * np.cos(slope), np.cos(angle)))
 
 
 def on_map(angle: Array, slope: Array) -> Array:
     """The inverse of `on_ground`."""
-    return np.arctan2(np.sin(angle), np.cos(angle) * np.cos(slope))
+    return np.asarray(np.arctan2(np.sin(angle), np.cos(angle) * np.cos(slope)))
 
 
 def surface_line(

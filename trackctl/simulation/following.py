@@ -15,6 +15,7 @@ from trackctl.simulation.motion import End, Integration, State, integration
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import PathCommands
 from trackctl.simulation.run_state import Settings
+from trackctl.simulation.slopes import Slopes
 from trackctl.simulation.track_speeds import TrackSpeeds, ramp, speed_pieces
 from trackctl.simulation.vehicle_rates import Scene
 
@@ -43,30 +44,6 @@ class Reference:
     tangent: float
     sideslip: float
     speed: float
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Slopes:
-    """Slope of the ground over time, arrays of shape (n,), linear between samples.
-
-    Attributes
-    ----------
-    time
-        Ascending. [s]
-    slope
-        Angle. [rad]
-    uphill_yaw
-        Direction of up-slope, without jumps. [rad]
-    """
-
-    time: Array
-    slope: Array
-    uphill_yaw: Array
-
-    def scene_at(self, scene: Scene, time: float) -> Scene:
-        """The scene with the slope at a time."""
-        slope, uphill_yaw = (float(np.interp(time, self.time, each)) for each in (self.slope, self.uphill_yaw))
-        return scene._replace(slope=slope, uphill_yaw=uphill_yaw)
 
 
 def start_on(commands: PathCommands) -> State:

@@ -17,6 +17,7 @@ from trackctl.simulation.collocation import NODES, TO_CUBIC
 from trackctl.simulation.contact_memory import ENTRY, MEMORY
 from trackctl.simulation.integrator import advance
 from trackctl.simulation.run_state import RUN, STEP, Pieces, Settings, Steps
+from trackctl.simulation.slopes import Slopes
 from trackctl.simulation.track_speeds import TrackSpeeds, speed_pieces
 from trackctl.simulation.vehicle_rates import Scene, track_loads
 
@@ -277,21 +278,27 @@ def turn_time(simulation: Integration, turn: float) -> float:
     return float(step["time"] + high * step["length"])
 
 
-def sample(simulation: Integration, mass: float, time: Array) -> Motion:
-    """The motion at some times, which lie within what has been simulated."""
+def sample(simulation: Integration, mass: float, time: Array, ground: Slopes | None = None) -> Motion:
+    """The motion at some times, which lie within what has been simulated, on the scene's plane or on given ground."""
     scene, steps = simulation.scene, simulation.steps[: simulation.count]
     which = np.clip(np.searchsorted(steps["time"], time, side="right") - 1, 0, None)
-    at = steps[which]
-    theta = (time - at["time"]) / at["length"]
+    step = steps[which]
+    theta = (time - step["time"]) / step["length"]
     powers = theta[:, None] ** np.arange(4)
-    slopes = np.arange(4) * theta[:, None] ** np.maximum(np.arange(4) - 1, 0) / at["length"][:, None]
-    pose = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, at["pose"])
-    velocity = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, at["velocity"])
-    rate = np.einsum("ni,ij,njk->kn", slopes, TO_CUBIC, at["velocity"])
-    left, right = (at[side][:, 0] + theta * (at[side][:, 1] - at[side][:, 0]) for side in ("left", "right"))
+    slopes = np.arange(4) * theta[:, None] ** np.maximum(np.arange(4) - 1, 0) / step["length"][:, None]
+    pose = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, step["pose"])
+    velocity = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, step["velocity"])
+    rate = np.einsum("ni,ij,njk->kn", slopes, TO_CUBIC, step["velocity"])
+    left, right = (step[side][:, 0] + theta * (step[side][:, 1] - step[side][:, 0]) for side in ("left", "right"))
     arms = [side * scene.model.gauge - scene.model.cog_left for side in (0.5, -0.5)]
     load = np.empty((2, time.size))
-    loads_along(scene, pose[2], rate[0] - velocity[2] * velocity[1], rate[1] + velocity[2] * velocity[0], load)
+    accelerations = rate[0] - velocity[2] * velocity[1], rate[1] + velocity[2] * velocity[0]
+    if ground is None:
+        loads_along(scene, pose[2], *accelerations, load)
+    else:
+        for i, at in enumerate(time.tolist()):
+            one = slice(i, i + 1)
+            loads_along(ground.scene_at(scene, at), pose[2, one], *(each[one] for each in accelerations), load[:, one])
     load *= mass * scene.model.gravity
     return Motion(
         time,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,7 @@ from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import PathCommands
 from trackctl.simulation.track_force_drive import TrackForces
 from trackctl.simulation.track_speeds import TrackSpeeds
+from trackctl.workflows.unrolled_ground import PlannedGround
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,10 @@ RATES = ("sprocket_rate_left_radps", "sprocket_rate_right_radps")
 SPEEDS = ("track_speed_left_mps", "track_speed_right_mps")
 FORCES = ("force_left_n", "force_right_n")
 POSE = ("x_m", "y_m", "yaw_rad")
+#: Of the ground under a target.
+GROUND = ("slope_rad", "heading_rad", "curvature_1pm")
+#: Steepest slope that a vehicle is simulated on. [rad]
+STEEPEST = math.radians(45.0)
 #: Names that the speed and the sideslip of a target may have.
 SPEED_NAMES, SIDESLIP_NAMES = ("velocity_mps", "speed_mps"), ("sideslip_rad", "slip_angle_rad")
 
@@ -39,10 +45,11 @@ class Target:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DriveCommands:
-    """Commands of a table, and the target that they stand beside, if one does."""
+    """Commands of a table, and the target that they stand beside and the ground under it, None where there is none."""
 
     commands: TrackSpeeds | TrackForces
     target: Target | None
+    ground: PlannedGround | None = None
 
 
 def read_commands(table: CsvTable, sprocket_radius: float) -> DriveCommands:
@@ -63,7 +70,9 @@ def read_commands(table: CsvTable, sprocket_radius: float) -> DriveCommands:
     if (left, right) == FORCES:
         return DriveCommands(TrackForces(time, *values), read_target(table, time))
     factor = sprocket_radius if (left, right) == RATES else 1.0
-    return DriveCommands(TrackSpeeds(time, factor * values[0], factor * values[1]), read_target(table, time))
+    target = read_target(table, time)
+    speeds = TrackSpeeds(time, factor * values[0], factor * values[1])
+    return DriveCommands(speeds, target, None if target is None else read_ground(table, target))
 
 
 def checked_form(table: CsvTable) -> tuple[str, str]:
@@ -87,6 +96,18 @@ def read_target(table: CsvTable, time: Array) -> Target | None:
         return None
     x, y, yaw = (column(table, key) for key in POSE)
     return Target(time, x, y, np.unwrap(yaw), column(table, sideslip), column(table, speed))
+
+
+def read_ground(table: CsvTable, target: Target) -> PlannedGround | None:
+    """The ground under a target, of a table that has all of its columns, as that of `plan`."""
+    if not all(find_header(table, key) for key in GROUND):
+        return None
+    slope, heading, curvature = (column(table, key) for key in GROUND)
+    for row in np.flatnonzero((slope < 0.0) | (slope > STEEPEST)):
+        raise cell_error(table, str(find_header(table, GROUND[0])), int(row), f"0 to {STEEPEST:.6g} rad")
+    return PlannedGround(
+        target.time, target.x, target.y, target.yaw, target.speed, curvature, slope, heading, target.sideslip
+    )
 
 
 def target_commands(target: Target, speeds: TrackSpeeds) -> PathCommands:

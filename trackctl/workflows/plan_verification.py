@@ -12,8 +12,9 @@ from trackctl.planning.clearance import clearances
 from trackctl.planning.collision import Obstacles
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
-from trackctl.simulation.following import Feedback, Slopes, deviation, follow
+from trackctl.simulation.following import Feedback, deviation, follow
 from trackctl.simulation.motion import End, State, sample
+from trackctl.simulation.slopes import Slopes
 from trackctl.simulation.track_speeds import TrackSpeeds
 from trackctl.simulation.vehicle_rates import scene
 from trackctl.workflows.drive_commands import Target, target_commands

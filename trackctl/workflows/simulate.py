@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.errors import NoAnswerError
+from trackctl.errors import NoAnswerError, UsageError
 from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import read_lut
 from trackctl.geometry.circle import Circle
@@ -35,6 +35,7 @@ from trackctl.simulation.track_speeds import TrackSpeeds, constant_speeds
 from trackctl.simulation.vehicle_rates import Scene, scene
 from trackctl.workflows.drive_commands import DriveCommands, target_commands
 from trackctl.workflows.steering import Measured, Steering
+from trackctl.workflows.unrolled_ground import Unrolled, unrolled
 
 Array = NDArray[np.float64]
 
@@ -69,7 +70,7 @@ class SimulateRequest:
     vehicle, terrain, gravity
         [m/s2]
     slope, uphill_yaw
-        Of the plane. [rad]
+        Of the plane, None for the ground that the commands stand beside. [rad]
     drive
         The target or the commands.
     feedback
@@ -91,7 +92,7 @@ class SimulateRequest:
     vehicle: VehicleProfile
     terrain: TerrainProfile
     gravity: float
-    slope: float
+    slope: float | None
     uphill_yaw: float
     drive: CircleTarget | DriveCommands
     feedback: Measured = Measured.NONE
@@ -138,19 +139,24 @@ def run_simulation(request: SimulateRequest) -> SimulateResult:
     LutMismatchError
         If the table is made for something else.
     """
-    ground = scene(
-        request.vehicle,
-        request.terrain,
-        request.gravity,
-        request.slope,
-        request.uphill_yaw,
-        remember=request.contact_memory,
-    )
+    slope, uphill_yaw = plane_of(request)
+    profiles = request.vehicle, request.terrain, request.gravity
+    ground = scene(*profiles, slope, uphill_yaw, remember=request.contact_memory)
     if isinstance(request.drive, CircleTarget):
         return drive_circle(request, ground, request.drive)
     if isinstance(request.drive.commands, TrackForces):
         return drive_forced(request, request.drive.commands, request.drive)
     return drive_speeds(request, ground, request.drive.commands, request.drive)
+
+
+def plane_of(request: SimulateRequest) -> tuple[float, float]:
+    """Slope and direction of up-slope of the plane, or of the ground at the start. [rad]"""
+    if request.slope is not None:
+        return request.slope, request.uphill_yaw
+    ground = request.drive.ground if isinstance(request.drive, DriveCommands) else None
+    if ground is None:
+        raise ValueError("no plane is asked for, and no ground stands beside the commands")
+    return float(ground.slope[0]), float(ground.yaw[0] - ground.heading[0])
 
 
 def drive_circle(request: SimulateRequest, ground: Scene, target: CircleTarget) -> SimulateResult:
@@ -201,7 +207,7 @@ def reading(request: SimulateRequest, lut: Path) -> Reading:
     packed = interpolant(table)
 
     def read(speed: Array, curvature: Array, heading: Array) -> Array:
-        found = look_up(packed, request.slope, speed, curvature, heading)
+        found = look_up(packed, plane_of(request)[0], speed, curvature, heading)
         return np.stack((found.track_speed_left / speed, found.track_speed_right / speed, found.sideslip))
 
     return read
@@ -213,10 +219,14 @@ def drive_speeds(request: SimulateRequest, ground: Scene, speeds: TrackSpeeds, d
     if drive.target is None:
         simulation, end = simulate(ground, speeds, request.initial or State(), request.tolerance)
         return summary(request, simulation, end, simulation.time, None)
-    commands = target_commands(drive.target, drive.commands)  # type: ignore[arg-type]
+    flat = unrolled_of(request, drive)
+    target = drive.target
+    if flat is not None:
+        target = replace(target, x=flat.x, y=flat.y, yaw=flat.yaw)
+    commands = target_commands(target, drive.commands)  # type: ignore[arg-type]
     start = start_on(commands) if request.initial is None else request.initial
     steady_start = request.initial is None and not start.is_rest
-    if request.feedback is Measured.NONE:
+    if request.feedback is Measured.NONE and flat is None:
         simulation, end = simulate(ground, speeds, start, request.tolerance, steady_start=steady_start)
     else:
         simulation, end = follow(
@@ -227,8 +237,22 @@ def drive_speeds(request: SimulateRequest, ground: Scene, speeds: TrackSpeeds, d
             request.tolerance,
             steady_start=steady_start,
             duration=math.inf if request.duration is None else request.duration,
+            slopes=None if flat is None else flat.slopes,
         )
-    return summary(request, simulation, end, simulation.time, commands.path)
+    nothing = np.zeros_like(drive.target.x)
+    path = TargetPath(nothing, drive.target.x, drive.target.y, nothing, nothing, nothing)
+    return summary(request, simulation, end, simulation.time, path, flat)
+
+
+def unrolled_of(request: SimulateRequest, drive: DriveCommands) -> Unrolled | None:
+    """The unrolled ground of commands that stand beside ground of changing slope, if they count."""
+    if request.slope is not None or drive.ground is None or drive.ground.is_plane:
+        return None
+    if request.initial is not None:
+        raise UsageError(
+            "--initial", "a pose", "nothing beside a plan on an elevation grid, which tells where to start"
+        )
+    return unrolled(drive.ground)
 
 
 def output_times(first: float, last: float, interval: float) -> Array:
@@ -238,15 +262,26 @@ def output_times(first: float, last: float, interval: float) -> Array:
 
 
 def summary(
-    request: SimulateRequest, simulation: Integration, end: End, last: float, path: TargetPath | None
+    request: SimulateRequest,
+    simulation: Integration,
+    end: End,
+    last: float,
+    path: TargetPath | None,
+    flat: Unrolled | None = None,
 ) -> SimulateResult:
     """Samples, laps and deviation of a simulation up to a time."""
     steps = simulation.steps[: simulation.count]
     if not steps.size:
         raise NoAnswerError(f"the simulation cannot begin: {REASONS[end]}")
-    motion = sample(simulation, request.vehicle.mass, output_times(float(steps["time"][0]), last, request.interval))
+    times = output_times(float(steps["time"][0]), last, request.interval)
+    slopes = None if flat is None else flat.slopes
+    motion = sample(simulation, request.vehicle.mass, times, slopes)
     circles = laps(simulation)
-    places = steps["pose"][steps["time"] < last]
+    places, at = steps["pose"][steps["time"] < last], steps["time"][steps["time"] < last]
+    if flat is not None:
+        x, y, yaw = flat.to_map(times, motion.x, motion.y, motion.yaw)
+        motion = replace(motion, x=x, y=y, yaw=yaw)
+        places = np.stack(flat.to_map(at, *places[:, 0].T), axis=-1)
     away = None
     if path is not None:
         away = float(deviation(path, places[..., 0].ravel(), places[..., 1].ravel()).max())

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.planning.surface_line import on_map
-from trackctl.simulation.following import Slopes
+from trackctl.simulation.slopes import Slopes
 
 Array = NDArray[np.float64]
 
