@@ -241,14 +241,3 @@ def straight_tangent(ground: Ground, motion: Motion, x: float, y: float, yaw: fl
             break
         tangent = yaw + sideslip
     return wrapped(tangent)
-
-
-@kernel
-def rates_along(
-    ground: Ground, motion: Motion, x: Array, y: Array, tangent: Array, curvature: Array
-) -> tuple[Array, Array]:
-    """`rate_at` at the samples of a path, arrays of shape (n,)."""
-    rate, sideslip = np.empty(x.size), np.empty(x.size)
-    for i in range(x.size):
-        rate[i], sideslip[i] = rate_at(ground, motion, x[i], y[i], tangent[i], curvature[i])
-    return rate, sideslip

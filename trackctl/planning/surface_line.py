@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from scipy.integrate import cumulative_trapezoid
 
 from trackctl.compiled import kernel
+from trackctl.planning.ground import Ground, Motion, rate_at
 from trackctl.planning.slope_field import SlopeField, gradient_at
 
 Array = NDArray[np.float64]
@@ -101,3 +102,14 @@ def surface_line(
     unrolled = direction[0] + cumulative_trapezoid(geodesic, length, initial=0)
     uphill = unrolled - on_ground(direction - map_uphill, slope)
     return SurfaceLine(length, unrolled, geodesic, slope, np.unwrap(uphill), map_uphill)
+
+
+@kernel
+def rates_along(
+    ground: Ground, motion: Motion, x: Array, y: Array, tangent: Array, curvature: Array
+) -> tuple[Array, Array]:
+    """`rate_at` at the samples of a path, arrays of shape (n,)."""
+    rate, sideslip = np.empty(x.size), np.empty(x.size)
+    for i in range(x.size):
+        rate[i], sideslip[i] = rate_at(ground, motion, x[i], y[i], tangent[i], curvature[i])
+    return rate, sideslip

@@ -292,13 +292,13 @@ def sample(simulation: Integration, mass: float, time: Array, ground: Slopes | N
     left, right = (step[side][:, 0] + theta * (step[side][:, 1] - step[side][:, 0]) for side in ("left", "right"))
     arms = [side * scene.model.gauge - scene.model.cog_left for side in (0.5, -0.5)]
     load = np.empty((2, time.size))
-    accelerations = rate[0] - velocity[2] * velocity[1], rate[1] + velocity[2] * velocity[0]
+    ahead, across = rate[0] - velocity[2] * velocity[1], rate[1] + velocity[2] * velocity[0]
     if ground is None:
-        loads_along(scene, pose[2], *accelerations, load)
+        loads_along(scene, pose[2], ahead, across, load)
     else:
         for i, at in enumerate(time.tolist()):
             one = slice(i, i + 1)
-            loads_along(ground.scene_at(scene, at), pose[2, one], *(each[one] for each in accelerations), load[:, one])
+            loads_along(ground.scene_at(scene, at), pose[2, one], ahead[one], across[one], load[:, one])
     load *= mass * scene.model.gravity
     return Motion(
         time,

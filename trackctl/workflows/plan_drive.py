@@ -14,13 +14,13 @@ from scipy.ndimage import maximum_filter1d
 from trackctl.planning.blending import Line, blended_route
 from trackctl.planning.clearance import first_hit
 from trackctl.planning.collision import Obstacles
-from trackctl.planning.ground import Cost, Ground, ground_of, rates_along, straight_tangent
+from trackctl.planning.ground import Cost, Ground, ground_of, straight_tangent
 from trackctl.planning.pose import advanced
 from trackctl.planning.route import Route
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.speed_profile import fastest_speed
 from trackctl.planning.steering_limits import SteeringLimits
-from trackctl.planning.surface_line import SurfaceLine, gradients_along, on_ground, on_map, surface_line
+from trackctl.planning.surface_line import SurfaceLine, gradients_along, on_ground, on_map, rates_along, surface_line
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.path import Path
