@@ -59,6 +59,7 @@ class Anytime:
             shot=new_way(),
             best=np.array([np.inf]),
             bound=np.array([np.inf]),
+            guide=np.empty((0, 2)),
             last=np.array([-1, 0]),
             solution=new_way(),
         )
@@ -84,6 +85,10 @@ class Anytime:
         else:
             self._polish(self._polishing, count)
         return self.cost < before
+
+    def follow(self, guide: Array) -> None:
+        """Grow trees by some points from now on."""
+        self._growth = self._growth._replace(guide=guide)
 
     def route(self) -> Route:
         """The best route so far."""

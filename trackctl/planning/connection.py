@@ -14,9 +14,11 @@ from trackctl.planning.pose import wrapped
 
 #: Words tried at most, in the order of their lengths.
 TRIED = 8
-#: A turn on the spot, a straight forwards or backwards, a turn on the spot: words after all others.
-TURN_DRIVE_TURN = 2
-ALL_WORDS = reeds_shepp.WORD_COUNT + TURN_DRIVE_TURN
+#: Numbers of the first word of each kind: Dubins' forwards and backwards, those of Reeds and Shepp, and turns on the
+#: spot with a straight between them, forwards and backwards; and of all.
+BACKWARDS, BOTH_GEARS = WORD_COUNT, 2 * WORD_COUNT
+TURNS = BOTH_GEARS + reeds_shepp.WORD_COUNT
+TURNS_BACKWARDS, ALL_WORDS = TURNS + 1, TURNS + 2
 
 Pose = tuple[float, float, float]
 
@@ -41,17 +43,20 @@ def _write_turns(local: Pose, forth: float, way: Way) -> int:
 
 
 @borrowing_kernel
-def _write(task: Task, local: Pose, radius: float, word: int, way: Way) -> int:
+def _write(local: Pose, radius: float, word: int, way: Way) -> int:
     """Write a word to a pose seen from the start in turning radii; the number of pieces, 0 where it does not exist."""
-    if word >= reeds_shepp.WORD_COUNT:
-        count = _write_turns(local, 1.0 if word == reeds_shepp.WORD_COUNT else -1.0, way)
-    elif task.can_reverse:
-        count = reeds_shepp.write_word(local[0], local[1], local[2], word, way)
-    else:
+    sense = 1.0
+    if word < BACKWARDS:
         count = _write_dubins(local, word, way)
+    elif word < BOTH_GEARS:
+        sense, count = -1.0, _write_dubins((-local[0], local[1], -local[2]), word - BACKWARDS, way)
+    elif word < TURNS:
+        count = reeds_shepp.write_word(local[0], local[1], local[2], word - BOTH_GEARS, way)
+    else:
+        count = _write_turns(local, 1.0 if word == TURNS else -1.0, way)
     for i in range(count):
         way.curvature[i] /= radius
-        way.length[i] *= radius
+        way.length[i] *= sense * radius
     return count
 
 
@@ -70,18 +75,22 @@ def _estimate(task: Task, gear: int, way: Way, count: int) -> float:
 
 
 @borrowing_kernel
+def _is_allowed(task: Task, word: int) -> bool:
+    """Whether the vehicle can do what a word asks for."""
+    if word >= TURNS and task.pivot_rate == np.inf:
+        return False
+    return task.can_reverse or word < BACKWARDS or word == TURNS
+
+
+@borrowing_kernel
 def _estimate_all(task: Task, gear: int, local: Pose, radius: float, way: Way) -> int:
     """Note the least cost of every word, infinite where it does not exist or cannot be driven; the number of words."""
-    estimates = task.estimates
-    count = reeds_shepp.WORD_COUNT if task.can_reverse else WORD_COUNT
+    count = ALL_WORDS if task.can_reverse or task.pivot_rate < np.inf else BACKWARDS
     for word in range(count):
-        estimates[word] = _estimate(task, gear, way, _write(task, local, radius, word, way))
-    if task.pivot_rate == np.inf:
-        return count
-    estimates[count : reeds_shepp.WORD_COUNT] = np.inf
-    for word in range(reeds_shepp.WORD_COUNT, ALL_WORDS - (0 if task.can_reverse else 1)):
-        estimates[word] = _estimate(task, gear, way, _write(task, local, radius, word, way))
-    return ALL_WORDS - (0 if task.can_reverse else 1)
+        task.estimates[word] = np.inf
+        if _is_allowed(task, word):
+            task.estimates[word] = _estimate(task, gear, way, _write(local, radius, word, way))
+    return count
 
 
 @borrowing_kernel
@@ -124,10 +133,10 @@ def connect(
         if not words[word] < best:
             break
         words[word] = np.inf
-        count = _write(task, local, radius, word, way)
+        count = _write(local, radius, word, way)
         cost = way_cost(task, x, y, tangent, gear, way, count, best)
         if cost < best and way_is_free(task, x, y, tangent, way, count):
             best, best_word = cost, word
     if best_word < 0:
         return np.inf, 0
-    return best, _write(task, local, radius, best_word, way)
+    return best, _write(local, radius, best_word, way)

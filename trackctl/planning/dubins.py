@@ -14,7 +14,7 @@ import numpy as np
 from trackctl.compiled import borrowing_kernel
 
 FULL_CIRCLE = 2.0 * math.pi
-#: A turn this close below the full circle is none, by rounding. [rad]
+#: A turn this close below the full circle is none, and circles this close to touching do: rounding. [rad], [radii]
 ROUNDING = 1e-12
 
 #: Sense of rotation of the three pieces of each word: LSL, RSR, LSR, RSL, RLR, LRL.
@@ -42,9 +42,9 @@ def _straight_in_between(x: float, y: float, turn: float, first: float, last: fl
     apart = first * last < 0.0
     if apart:
         squared -= 4.0
-        if squared < 0.0:
+        if squared < -ROUNDING:
             return np.inf, np.inf, np.inf
-    straight = math.sqrt(squared)
+    straight = math.sqrt(max(squared, 0.0))
     heading = math.atan2(across[1], across[0])
     if apart:
         heading += first * math.atan2(2.0, straight)
@@ -56,9 +56,9 @@ def _arc_in_between(x: float, y: float, turn: float, first: float) -> tuple[floa
     """Arc, long arc the other way round, arc to a pose seen from the start, in radii."""
     across = x - first * math.sin(turn), y - first + first * math.cos(turn)
     distance = math.hypot(across[0], across[1])
-    if distance >= 4.0:
+    if distance > 4.0 + ROUNDING:
         return np.inf, np.inf, np.inf
-    middle = FULL_CIRCLE - 2.0 * math.asin(0.25 * distance)
+    middle = FULL_CIRCLE - 2.0 * math.asin(min(0.25 * distance, 1.0))
     heading = math.atan2(across[1], across[0])
     begin = _turn(first * heading + 0.5 * middle)
     return begin, middle, _turn(first * turn - begin + middle)

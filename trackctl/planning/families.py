@@ -87,34 +87,37 @@ def two_arcs(x: float, y: float, side: float) -> tuple[float, float]:
 
 
 @borrowing_kernel
-def way_to_point(
-    x: float, y: float, tangent: float, point_x: float, point_y: float, radius: float, way: Way
-) -> tuple[float, int]:
-    """The shortest member of the families to a point.
+def arc_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int:
+    """The member of C to a point seen in turning radii, if that is not too tight; the number of pieces."""
+    if local_x * local_x + local_y * local_y == 0.0:
+        return 0
+    curvature, length = single_arc(local_x, local_y)
+    if abs(curvature) > 1.0:
+        return 0
+    way.curvature[0], way.length[0], way.pivot[0] = curvature / radius, length * radius, 0.0
+    return 1
+
+
+@borrowing_kernel
+def way_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int:
+    """The shortest of CS and CC to a point.
 
     Parameters
     ----------
-    x, y, tangent
-        Start. [m], [rad]
-    point_x, point_y
-        End, whatever the tangent there. [m]
+    local_x, local_y
+        The point seen from the start, in turning radii.
     radius
-        Smallest of C, and that of CS and CC. [m]
+        [m]
     way
         Is given the pieces.
 
     Returns
     -------
-    tuple
-        Length [m], infinite where no member leads there, and the number of pieces.
+    int
+        Their number, 0 where no member leads to the point.
     """
-    local_x, local_y, _ = seen_from(x, y, tangent, point_x, point_y, 0.0, radius)
     shortest, count = np.inf, 0
-    if local_x * local_x + local_y * local_y > 0.0:
-        curvature, length = single_arc(local_x, local_y)
-        if abs(curvature) <= 1.0:
-            shortest, count = length, 1
-            way.curvature[0], way.length[0] = curvature / radius, length * radius
+    way.pivot[:2] = 0.0
     for side in (-1.0, 1.0):
         first, straight = arc_and_straight(local_x, local_y, side)
         if first + straight < shortest:
@@ -126,8 +129,7 @@ def way_to_point(
             shortest, count = first + last, 2
             way.curvature[0], way.length[0] = side / radius, first * radius
             way.curvature[1], way.length[1] = -side / radius, last * radius
-    way.pivot[:] = 0.0
-    return shortest * radius, count
+    return count
 
 
 @borrowing_kernel

@@ -11,18 +11,23 @@ from numpy.typing import NDArray
 from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision import cell_position, free_radius
 from trackctl.planning.connection import connect
-from trackctl.planning.families import way_to_point
+from trackctl.planning.dubins import seen_from
+from trackctl.planning.families import arc_to_point, way_to_point
 from trackctl.planning.pieces import Task, Way, free_length, pivot_is_free, way_cost
 from trackctl.planning.pose import advanced, wrapped
-from trackctl.planning.random_numbers import Stream, between, uniform
+from trackctl.planning.random_numbers import Stream, between, normal, uniform
 from trackctl.planning.tree import Tree, add_node, nearest
 
 Array = NDArray[np.float64]
 
 #: Share of samples drawn about the goal.
 GOAL_SHARE = 0.1
+#: Share of samples drawn about the guide, and the decades over which their distances from it are spread.
+GUIDE_SHARE, GUIDE_DECADES = 0.5, 2.0
 #: Tries to draw a point that is not blocked.
 TRIES = 100
+#: Share of extensions by a single arc, where that is not too tight.
+ARC_SHARE = 0.3
 #: Shortest extension worth a node, over the smallest radius.
 SHORTEST = 0.1
 #: An extension that obstacles cut keeps back this share of its last piece: from a wall there is no way on.
@@ -46,6 +51,8 @@ class Growth(NamedTuple):
         Cost of the best solution of this tree, shape (1,).
     bound
         Cost that a node's way to the goal must be able to stay below, shape (1,).
+    guide
+        Points to grow by, shape (n, 2), none at first: the way of a disc, where the first tree takes long. [m]
     last
         Node that the best solution leaves the tree at, -1 without one, and the number of pieces from there.
     solution
@@ -59,6 +66,7 @@ class Growth(NamedTuple):
     shot: Way
     best: Array
     bound: Array
+    guide: Array
     last: NDArray[np.int64]
     solution: Way
 
@@ -70,6 +78,10 @@ def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     n_rows, n_columns = obstacles.distance.shape
     longest = growth.bound[0] / task.least_rate
     x, y = goal[0], goal[1]
+    if growth.guide.shape[0] > 0 and uniform(stream) < GUIDE_SHARE:
+        i = int(uniform(stream) * growth.guide.shape[0])
+        spread = growth.reach * 10.0 ** (-GUIDE_DECADES * uniform(stream))
+        return growth.guide[i, 0] + spread * normal(stream), growth.guide[i, 1] + spread * normal(stream)
     about_goal = uniform(stream) < GOAL_SHARE
     for _ in range(TRIES):
         if about_goal:
@@ -109,9 +121,10 @@ def _aim(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> tuple[in
         way.pivot[0] = wrapped(math.atan2(y - from_y, x - from_x) - direction)
         way.length[1], count = math.hypot(x - from_x, y - from_y), 2
     else:
-        length, count = way_to_point(from_x, from_y, direction, x, y, radius, way)
-        if not length < np.inf:
-            return node, 0
+        local_x, local_y, _ = seen_from(from_x, from_y, direction, x, y, 0.0, radius)
+        count = arc_to_point(local_x, local_y, radius, way) if uniform(stream) < ARC_SHARE else 0
+        if count == 0:
+            count = way_to_point(local_x, local_y, radius, way)
     if turned > 0.0:
         for i in range(count):
             way.curvature[i], way.length[i] = -way.curvature[i], -way.length[i]
@@ -164,10 +177,11 @@ def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
 
 @borrowing_kernel
 def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
-    """Connect a node to the goal exactly, if that makes a better solution."""
+    """Connect a node to the goal exactly, if that makes a better solution: by the smallest radius and another one."""
     found = False
     start = tree.x[node], tree.y[node], tree.tangent[node], tree.gear[node]
-    for radius in task.radii:
+    other = task.radii[1 + int(uniform(growth.stream) * (task.radii.size - 1))]
+    for radius in (task.radii[0], other):
         bound = min(growth.best[0], growth.bound[0]) - tree.cost[node]
         cost, count = connect(task, start, growth.goal, radius, bound, growth.shot)
         if cost < bound:
@@ -190,6 +204,8 @@ def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, 
     tuple
         Iterations done, and whether the last one found a better solution.
     """
+    if tree.size[0] == 1 and growth.bound[0] == np.inf and shoot(task, tree, growth, 0):
+        return 1, True
     for iteration in range(iterations):
         x, y = _draw_point(task, tree, growth)
         node = extend(task, tree, growth, x, y)

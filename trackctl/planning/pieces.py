@@ -111,12 +111,18 @@ def motion_in(task: Task, length: float) -> Motion:
 
 @borrowing_kernel
 def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
-    """Cost of an arc or a straight, by the midpoint rule; infinite where it cannot be driven."""
+    """Cost of an arc or a straight, by the midpoint rule; infinite where a sample or an end cannot be driven."""
     if length == 0.0:
         return 0.0
     motion = motion_in(task, length)
     if task.ground.is_level:
         return rate_at(task.ground, motion, x, y, tangent, curvature)[0] * abs(length)
+    end_x, end_y, end_tangent = advanced(x, y, tangent, curvature, length)
+    if (
+        rate_at(task.ground, motion, x, y, tangent, curvature)[0] == np.inf
+        or rate_at(task.ground, motion, end_x, end_y, end_tangent, curvature)[0] == np.inf
+    ):
+        return np.inf
     count = math.ceil(abs(length) / COST_STEP)
     step, total = length / count, 0.0
     for i in range(count):

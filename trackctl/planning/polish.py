@@ -26,12 +26,15 @@ GAIN = 1e-9
 COARSE_COST = 1.001
 #: Shortest stretch to replace, in smallest radii.
 SHORTEST = 0.2
+#: Share of replacements of the whole path.
+WHOLE_SHARE = 0.05
 #: Share of replacements past a point beside the way.
 BESIDE_SHARE = 0.7
 #: Decades over which the point's offset is spread, below the length of the stretch.
 DECADES = 3.5
-#: Share of replacements with turns of the smallest radius; others draw one up to `WIDEST` times that.
-TIGHT_SHARE = 0.4
+#: Share of replacements with turns of the smallest radius, and with that one of the task's radii; others draw one up
+#: to `WIDEST` times the smallest.
+TIGHT_SHARE, LISTED_SHARE = 0.4, 0.7
 WIDEST = 20.0
 
 
@@ -203,6 +206,17 @@ def _detour(
 
 
 @borrowing_kernel
+def _draw_radius(task: Task, stream: Stream) -> float:
+    """The smallest turning radius, another one of the task's, or any. [m]"""
+    kind = uniform(stream)
+    if kind < TIGHT_SHARE:
+        return float(task.radii[0])
+    if kind < LISTED_SHARE:
+        return float(task.radii[int(uniform(stream) * task.radii.size)])
+    return float(task.radii[0] * WIDEST ** uniform(stream))
+
+
+@borrowing_kernel
 def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) -> float:
     """Try to replace random stretches of a path by cheaper ones.
 
@@ -232,8 +246,9 @@ def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) 
         span = shortest * (total / shortest) ** uniform(stream)
         middle = total * uniform(stream)
         begin, end = max(0.0, middle - 0.5 * span), min(total, middle + 0.5 * span)
-        tight = uniform(stream) < TIGHT_SHARE
-        radius = task.radii[0] * (1.0 if tight else WIDEST ** uniform(stream))
+        if uniform(stream) < WHOLE_SHARE:
+            begin, end = 0.0, total
+        radius = _draw_radius(task, stream)
         bound = COARSE_COST * (_cost_at(path, end) - _cost_at(path, begin))
         counts = _detour(task, path, stream, begin, end, goal, radius, bound)
         if counts[0] == 0:

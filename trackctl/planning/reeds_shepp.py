@@ -18,6 +18,8 @@ from trackctl.planning.pieces import Way
 from trackctl.planning.pose import wrapped
 
 QUARTER = 0.5 * math.pi
+#: Circles this close to touching do. [radii]
+ROUNDING = 1e-12
 #: Numbers of the first word of each form: CSC, CCC, CCCC, CCSC, CSCC, CCSCC; and of all.
 CCC, CCCC, CCSC, CSCC, CCSCC, WORD_COUNT = 8, 12, 24, 40, 56, 64
 
@@ -45,9 +47,9 @@ def _csc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     first, last, forth = _sign(word, 0), _sign(word, 1), _sign(word, 2)
     distance, direction = _between_centres(x, y, turn, first, last)
     offset = first - last
-    if distance < abs(offset):
+    if distance < abs(offset) - ROUNDING:
         return 0
-    straight = forth * math.sqrt(distance * distance - offset * offset)
+    straight = forth * math.sqrt(max(distance * distance - offset * offset, 0.0))
     heading = direction + math.atan2(offset, straight)
     _set(way, 0, first, wrapped(first * heading))
     _set(way, 1, 0.0, straight)
@@ -60,9 +62,9 @@ def _ccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Three arcs: D = 4 sin(m / 2) e(h), h the heading halfway along the middle one of angle m."""
     first, forth = _sign(word, 0), _sign(word, 1)
     distance, direction = _between_centres(x, y, turn, first, first)
-    if distance > 4.0:
+    if distance > 4.0 + ROUNDING:
         return 0
-    middle = forth * 2.0 * math.asin(0.25 * distance)
+    middle = forth * 2.0 * math.asin(min(0.25 * distance, 1.0))
     heading = direction if forth > 0.0 else direction + math.pi
     _set(way, 0, first, wrapped(first * heading + 0.5 * middle))
     _set(way, 1, -first, middle)
@@ -82,16 +84,16 @@ def _cccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     if word < 8:
         factor = 0.5 * distance * _sign(word, 2)
         cosine = 0.5 * (1.0 + factor)
-        if abs(cosine) > 1.0:
+        if abs(cosine) > 1.0 + ROUNDING:
             return 0
-        inner = forth * math.acos(cosine)
+        inner = forth * math.acos(max(-1.0, min(cosine, 1.0)))
         middle = direction + QUARTER + (0.0 if factor * first > 0.0 else math.pi)
         begin, end, second = middle + first * inner, middle - first * inner, -inner
     else:
         cosine = 0.25 * (5.0 - 0.25 * distance * distance)
-        if abs(cosine) > 1.0:
+        if abs(cosine) > 1.0 + ROUNDING:
             return 0
-        inner = forth * math.acos(cosine)
+        inner = forth * math.acos(max(-1.0, min(cosine, 1.0)))
         turned = math.atan2(math.sin(first * inner), 2.0 - cosine)
         begin = direction + QUARTER - turned + (0.0 if first > 0.0 else math.pi)
         end, second = begin, inner
@@ -108,9 +110,9 @@ def _ccsc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     first, last, quarter, forth = _sign(word, 0), _sign(word, 1), QUARTER * _sign(word, 2), _sign(word, 3)
     distance, direction = _between_centres(x, y, turn, first, last)
     offset = first + last
-    if distance < abs(offset):
+    if distance < abs(offset) - ROUNDING:
         return 0
-    along = forth * math.sqrt(distance * distance - offset * offset)
+    along = forth * math.sqrt(max(distance * distance - offset * offset, 0.0))
     heading = direction - math.atan2(offset, along)
     _set(way, 0, first, wrapped(first * heading + quarter))
     _set(way, 1, -first, quarter)
@@ -124,9 +126,9 @@ def _ccscc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Arc, quarter circle, straight, quarter circle, arc: D = (s + 4 sin m) e(h) - 2 first n(h)."""
     first, quarter, forth = _sign(word, 0), QUARTER * _sign(word, 1), _sign(word, 2)
     distance, direction = _between_centres(x, y, turn, first, -first)
-    if distance < 2.0:
+    if distance < 2.0 - ROUNDING:
         return 0
-    along = forth * math.sqrt(distance * distance - 4.0)
+    along = forth * math.sqrt(max(distance * distance - 4.0, 0.0))
     heading = direction - math.atan2(2.0 * first, along)
     _set(way, 0, first, wrapped(first * heading + quarter))
     _set(way, 1, -first, quarter)

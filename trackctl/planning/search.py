@@ -21,7 +21,7 @@ from trackctl.planning.connection import ALL_WORDS
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_tangent
 from trackctl.planning.pieces import Task
-from trackctl.planning.reachability import are_joined, centred_disc
+from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
@@ -30,9 +30,9 @@ Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
 
 #: Iterations without a route before it is asked whether there can be one: longer than most searches take.
-DOUBT = 512
+DOUBT = 256
 #: Turning radii that connections try, in smallest radii.
-RADII = (1.0, 1.5, 2.5, 5.0)
+RADII = (1.0, 1.25, 1.6, 2.0, 2.5, 3.5, 5.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -182,13 +182,17 @@ def search(
         if found:
             improvements.append(Improvement(elapsed, state.iterations, state.cost, state.route()))
         elif doubted and not improvements and state.iterations >= DOUBT:
-            doubted, reason = False, _separation(problem, task)
+            doubted = False
+            guide = _guide(problem, task)
+            state.follow(guide)
+            reason = "" if guide.size else _separation(problem, task)
         if progress is not None:
             progress(*((elapsed, settings.time_limit) if settings.iterations is None else (state.iterations, total)))
         if reason or (settings.iterations is None and elapsed >= settings.time_limit):
             break
     if not improvements and not reason:
-        reason = _separation(problem, task) or f"goal not reached: no connection in {state.iterations} iterations"
+        reason = f"goal not reached: no connection in {state.iterations} iterations"
+        reason = reason if _guide(problem, task).size else _separation(problem, task)
     return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, state.iterations, state.nodes)
 
 
@@ -229,13 +233,16 @@ def _hindrance(problem: Problem, task: Task) -> str:
     return ""
 
 
+def _guide(problem: Problem, task: Task) -> Array:
+    """Way of the largest disc about the mass centre within the footprint, shape (n, 2); empty if it has none."""
+    start, goal = problem.start, problem.goal
+    return disc_way(task.obstacles, (start[0], start[1]), (goal[0], goal[1]), task.inner_radius)
+
+
 def _separation(problem: Problem, task: Task) -> str:
-    """Why start and goal cannot be joined; empty if they may be."""
-    radius = task.inner_radius
-    if are_joined(task.obstacles, problem.start[:2], problem.goal[:2], radius):
-        return ""
+    """Why not even a disc gets from start to goal."""
     room = f" with {problem.clearance:g} m of clearance" if problem.clearance else ""
-    return f"goal not reachable: obstacles close off the start even for a disc of {radius:g} m radius{room}"
+    return f"goal not reachable: obstacles close off the start even for a disc of {task.inner_radius:g} m radius{room}"
 
 
 def _blocked(obstacles: Obstacles, pose: Pose) -> str:
