@@ -19,7 +19,6 @@ from trackctl.errors import NoAnswerError, UsageError
 from trackctl.workflows.plan_choices import PlanCost, PlanFormat
 
 if TYPE_CHECKING:
-    from trackctl.planning.planning_map import PlanningMap
     from trackctl.workflows.plan import PlanResult
 
 DEFAULT_TIME_LIMIT = 1.0
@@ -237,7 +236,7 @@ def pose_of(text: str, option: str) -> tuple[float, float, float]:
     return x, y, math.radians(yaw)
 
 
-def asked_map(map_file: str, elevation: Path | None, **given: Any) -> PlanningMap:
+def asked_map(map_file: str, elevation: Path | None, **given: Any) -> Any:
     """The map with what the options give in place of its own."""
     from trackctl.files.elevation_file import read_elevation
     from trackctl.files.map_file import read_planning_map
