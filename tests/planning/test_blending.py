@@ -1,0 +1,127 @@
+import math
+
+import numpy as np
+import pytest
+
+from trackctl.planning.blending import Line, blended_route, goal_of, stretches_of
+from trackctl.planning.pose import advanced
+from trackctl.planning.route import Route
+
+BLEND, RADIUS = 0.85, 1.5
+SHARPEST = 1.0 / (0.92 * RADIUS)
+START = (1.0, 2.0, 0.3)
+ROUTES = {
+    "arc": ([1 / RADIUS], [3.0]),
+    "straight": ([0.0], [4.0]),
+    "left, straight, right": ([1 / RADIUS, 0.0, -1 / RADIUS], [2.0, 5.0, 2.5]),
+    "short pieces": ([1 / RADIUS, -1 / RADIUS, 0.0, 0.3], [0.3, 0.2, 0.1, 1.0]),
+    "there and back": ([1 / RADIUS, -1 / RADIUS, 0.0], [1.5, -2.0, 1.0]),
+}
+
+
+def ended(start, curvature, length):
+    for piece in zip(curvature, length, strict=True):
+        start = advanced(*start, *piece)
+    return start
+
+
+def ahead(pose, way):
+    return pose[0] + way * math.cos(pose[2]), pose[1] + way * math.sin(pose[2]), pose[2]
+
+
+def blended(name, **more):
+    """A route, and its lines from half a blend before it to half a blend behind."""
+    curvature, length = (np.array(values) for values in ROUTES[name])
+    goal = ended(START, curvature, length)
+    ends = (
+        ahead(START, -math.copysign(0.5 * BLEND, length[0])),
+        ahead(goal, math.copysign(0.5 * BLEND, length[-1])),
+    )
+    route = Route(START, curvature, length, np.zeros_like(length))
+    return route, ends, blended_route(route, *ends, BLEND, SHARPEST, **more)
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_start_and_goal_are_met_exactly(name):
+    _, (start, goal), lines = blended(name)
+    assert lines[0].start[:2] == start[:2]
+    gap = goal_of(lines) - goal
+    assert np.abs(gap[:2]).max() <= 1e-10
+    assert math.remainder(gap[2], 2 * math.pi) == pytest.approx(0.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_curvature_has_no_jumps_and_ends_straight(name):
+    _, _, lines = blended(name)
+    for line in lines:
+        assert line.curvature[0] == 0.0
+        assert line.curvature[-1] == pytest.approx(0.0, abs=1e-12)
+        assert np.abs(line.curvature).max() <= SHARPEST + 1e-12
+        # The steepest ramp is from one sharpest curvature to the other within a blend.
+        steps = np.diff(line.knots)
+        slopes = np.diff(line.curvature)[steps > 1e-9] / steps[steps > 1e-9]
+        assert np.abs(slopes).max() <= 2.0 * SHARPEST / BLEND * (1.0 + 1e-6)
+
+
+def test_turns_keep_their_angles():
+    """A moving mean leaves the integral as it is; the adjustment changes little."""
+    route, _, (line,) = blended("left, straight, right")
+    turned = np.trapezoid(line.curvature, line.knots)
+    assert turned == pytest.approx(float((route.curvature * route.length).sum()), abs=1e-10)
+    assert line.length == pytest.approx(float(route.length.sum()) + BLEND, rel=0.02)
+
+
+def test_a_blend_stays_beside_the_route():
+    """Inside an arc by curvature blend^2 / 24, the second moment of the window."""
+    _, _, (line,) = blended("arc")
+    middle = line.at(np.array([0.5 * line.length]))
+    curvature, length = ROUTES["arc"]
+    on_arc = advanced(*START, curvature[0], 0.5 * length[0])
+    away = math.hypot(middle[0][0] - on_arc[0], middle[1][0] - on_arc[1])
+    assert away <= 4.0 * curvature[0] * BLEND**2 / 24.0
+
+
+def test_lines_follow_each_other_when_the_gear_changes():
+    _, _, (there, back, _) = blended("there and back")
+    assert (there.backwards, back.backwards) == (False, True)
+    assert back.start[:2] == pytest.approx(there.end[:2], abs=1e-12)
+    assert math.remainder(back.start[2] - there.end[2] - math.pi, 2 * math.pi) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_kink_turns_the_tangent_where_the_gear_changes():
+    _, _, lines = blended("there and back", kinks=[0.05, -0.02])
+    turned = lines[1].start[2] - lines[0].end[2] - math.pi
+    assert math.remainder(turned, 2 * math.pi) == pytest.approx(0.05, abs=1e-12)
+
+
+def test_a_goal_out_of_reach_has_no_lines():
+    route = Route(START, np.array([0.0]), np.array([2.0]), np.zeros(1))
+    assert blended_route(route, START, ahead(START, -3.0), BLEND, SHARPEST) is None
+
+
+def test_pieces_of_one_curvature_become_one():
+    route = Route(START, np.array([0.5, 0.5, 0.0, 0.2]), np.array([1.0, 2.0, 0.0, -1.0]), np.zeros(4))
+    forward, backward = stretches_of(route)
+    assert forward.length.tolist() == [3.0]
+    assert (backward.backwards, backward.curvature.tolist(), backward.length.tolist()) == (True, [-0.2], [1.0])
+
+
+def test_a_line_of_constant_curvature_is_a_circle():
+    line = Line(False, (1.0, -2.0, 0.4), np.array([0.0, 3.0, 9.0]), np.full(3, 0.7))
+    s = np.linspace(0.0, 9.0, 7)
+    x, y, direction = line.at(s)
+    assert direction == pytest.approx(0.4 + 0.7 * s, abs=1e-13)
+    assert x == pytest.approx(1.0 + (np.sin(0.4 + 0.7 * s) - math.sin(0.4)) / 0.7, abs=1e-12)
+    assert y == pytest.approx(-2.0 - (np.cos(0.4 + 0.7 * s) - math.cos(0.4)) / 0.7, abs=1e-12)
+
+
+def test_a_clothoid_is_that_of_fresnel():
+    from scipy.special import fresnel
+
+    # kappa = pi s: tangent pi s^2 / 2, the argument of the Fresnel integrals.
+    line = Line(False, (0.0, 0.0, 0.0), np.array([0.0, 1.5]), np.array([0.0, 1.5 * math.pi]))
+    s = np.array([0.3, 0.9, 1.5])
+    x, y, _ = line.at(s)
+    sine, cosine = fresnel(s)
+    assert x == pytest.approx(cosine, abs=1e-12)
+    assert y == pytest.approx(sine, abs=1e-12)
