@@ -29,6 +29,7 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import (
+    LONG_BLEND,
     DriveModel,
     DrivenLine,
     UndrivableError,
@@ -50,9 +51,7 @@ Progress = Callable[[float, float], None]
 #: Least radius of a plan where the profile has none, over the contact length.
 LEAST_RADIUS = 1.5
 #: Routes that are tried to drive, the best first.
-MOST_ROUTES = 12
-#: More clearance for another search where no route of the first can be driven, in contact lengths.
-WIDER = 0.1
+MOST_ROUTES = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -300,7 +299,7 @@ def led_in(model: DriveModel, problem: Problem) -> Problem:
     for pose, sense in ((problem.start, 0.5), (problem.goal, -0.5)):
         x, y, yaw = pose
         slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
-        way = sense * blend_length(model, slope, model.sharpest)
+        way = sense * LONG_BLEND * blend_length(model, slope, model.sharpest)
         tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
         poses.append((x + way * math.cos(tangent), y + way * math.sin(tangent), yaw))
     return replace(problem, start=poses[0], goal=poses[1])
@@ -317,20 +316,34 @@ def driven_plan(
         If there is none.
     """
     reasons: list[str] = []
-    wider = request.clearance + WIDER * request.vehicle.contact_length
-    tries = [led_in(model, problem), problem, replace(led_in(model, problem), clearance=wider)]
-    for attempt in tries[1:] if request.reverse else tries:
+    for attempt in attempts(request, model, problem):
         found = search(attempt, request.search, progress)
         if found.route is None:
             reasons.append(found.reason)
             continue
-        for improvement in found.improvements[::-1][:MOST_ROUTES]:
+        # Long blends first; where those of the best route do not fit, the least ones are tried along all.
+        best, routes = found.improvements[-1:], found.improvements[::-1][:MOST_ROUTES]
+        for improvement, longer in [(each, LONG_BLEND) for each in best] + [(each, 1.0) for each in routes]:
             try:
-                driven = drive_route(model, improvement.route, problem.start, problem.goal)
+                driven = drive_route(model, improvement.route, problem.start, problem.goal, longer)
                 return found, driven, improvement.cost
-            except UndrivableError as problem_found:
-                reasons.append(f"a way was found but cannot be driven: {problem_found}")
+            except UndrivableError as error:
+                reasons.append(f"a way was found but cannot be driven: {error}")
     raise NoAnswerError(reasons[0])
+
+
+def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[Problem]:
+    """Searches to be made until a route can be driven.
+
+    Blends cut corners by up to curvature blend^2 / 24: the first search keeps that much farther away, the second no
+    more than it must. The last one starts and ends at the poses themselves; when driving backwards is allowed, whether
+    the ends are driven forwards is not known beforehand, and there is no other.
+    """
+    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
+    cut = model.sharpest * (LONG_BLEND * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+    led = problem if request.reverse else led_in(model, problem)
+    found = [replace(led, clearance=request.clearance + cut), led]
+    return found if request.reverse else [*found, problem]
 
 
 def summary_of(result: PlanResult) -> dict[str, object]:

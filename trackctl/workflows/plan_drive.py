@@ -46,7 +46,9 @@ MOST_SLIP, MORE_SLIP = 0.25, 1.5
 #: Rounds of slowing down where a limit is exceeded, and the excess that an unsolved sample counts as.
 SLOWER_ROUNDS, UNSOLVED_EXCESS = 10, 2.0
 #: Rounds in which the tangents at the ends settle to the sideslip there.
-END_ROUNDS, SETTLED = 4, 1e-7
+END_ROUNDS, SETTLED = 4, 1e-6
+#: Blends over the least that the model page asks for, as far as there is room: the longer, the better they are driven.
+LONG_BLEND = 1.5
 #: Slope from which tight turns, of radii below two contact lengths, need blends of as much. [rad]
 STEEP = math.radians(15.0)
 
@@ -149,8 +151,8 @@ def slopes_at(model: DriveModel, x: Array, y: Array) -> Array:
     return np.asarray(np.arctan(np.nan_to_num(np.hypot(g_x, g_y))))
 
 
-def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> list[DrivenLine]:
-    """Drive a route from pose to pose, x, y [m] and yaw [rad], both met exactly.
+def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer: float) -> list[DrivenLine]:
+    """Drive a route from pose to pose, x, y [m] and yaw [rad], both met exactly; its blends so many times the least.
 
     Raises
     ------
@@ -159,7 +161,7 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
     """
     if np.any(route.pivot != 0.0):
         raise UndrivableError("it turns on the spot")
-    blend = blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
+    blend = longer * blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
     backwards = [bool(route.length[k] < 0.0) for k in (0, -1)]
     tangents = [
         straight_tangent(model.pace, model.pace.backward if back else model.pace.forward, *pose)
@@ -175,6 +177,7 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
         if turn == 0:
             check_roughly(model, lines)
         driven = [drive_line(model, line) for line in lines]
+        check_clear(model, driven)
         sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
         settled = [tangent_of(model, pose, beta) for pose, beta in zip((start, goal), sideslips, strict=True)]
         kinks = [float(after.commands.sideslip[0] - before.commands.sideslip[-1]) for before, after in pairwise(driven)]
@@ -182,7 +185,6 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
         tangents = settled
         if moved < SETTLED:
             break
-    check_clear(model, driven)
     return driven
 
 
