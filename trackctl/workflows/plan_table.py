@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from pathlib import Path
 
@@ -19,7 +18,8 @@ from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import read_lut
 from trackctl.files.lut_writer import write_lut
 from trackctl.lut.axes import FULL_CIRCLE, Axes
-from trackctl.lut.sweep import Seeding, Sweep, column_values, solve_columns
+from trackctl.lut.crew import solve_columns, threads
+from trackctl.lut.sweep import Seeding, Sweep, column_values
 from trackctl.lut.table import VARIABLES, Table
 from trackctl.mechanics.parameters import track_model
 from trackctl.profiles.terrain import TerrainProfile
@@ -119,8 +119,8 @@ def compiled_table(
     status = np.empty(sweep.axes.shape, np.uint8)
     weight, total = vehicle.mass * gravity, sweep.column_count
     progress(0, total)
-    with ThreadPoolExecutor(jobs) as threads:
-        for done, (column, cells) in enumerate(solve_columns(sweep, range(total), threads, jobs), start=1):
+    with threads(jobs) as crew:
+        for done, (column, cells) in enumerate(solve_columns(sweep, range(total), crew), start=1):
             i, k = sweep.place(column)
             for name, part in column_values(sweep, column, cells, vehicle.sprocket_radius, weight).items():
                 values[name][i, :, k] = part
