@@ -76,7 +76,7 @@ def obstacles_of(grid: CollisionGrid, footprint: Footprint, margin: float = 0.0)
     before = np.zeros((n_rows, n_columns + 1), np.int32)
     np.cumsum(grid.blocked, axis=1, out=before[:, 1:])
     frame = (float(grid.resolution), float(grid.x), float(grid.y), float(grid.cos_yaw), float(grid.sin_yaw))
-    distance = np.ascontiguousarray(grid.distance, dtype=np.float64)
+    distance = np.array(grid.distance, dtype=np.float64, order="C")
     tallest = 2.0 * ((1.0 + LARGEST_GROWTH) * footprint.reach + margin) / grid.resolution
     return Obstacles(before, distance, *frame, float(margin), footprint, np.empty((2, math.ceil(tallest) + 4)))
 

