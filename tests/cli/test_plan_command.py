@@ -1,0 +1,141 @@
+import csv
+import io
+import json
+import math
+from itertools import pairwise
+
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from trackctl.cli.app import app
+
+COLUMNS = [
+    *("time_s", "x_m", "y_m", "yaw_rad", "velocity_mps", "curvature_1pm", "slope_rad", "heading_rad"),
+    *("sprocket_rate_left_radps", "sprocket_rate_right_radps", "sideslip_rad", "slip_left", "slip_right", "segment"),
+]
+MAP = """\
+bounds_m: [0, 0, 10, 10]
+resolution: 0.1
+obstacles:
+  circles: [[5, 5, 1]]
+start: [1.5, 1.5, 0]
+goal: [8, 8, 90]
+slope_deg: 12
+"""
+QUICK = ("--iterations", 100)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "map.yaml").write_text(MAP)
+    return lambda *words, stdin=None: CliRunner().invoke(app, [*map(str, words)], input=stdin)
+
+
+def rows(text):
+    return [{key: float(cell) for key, cell in row.items()} for row in csv.DictReader(io.StringIO(text))]
+
+
+def test_a_plan_from_the_map_alone(run):
+    result = run("plan", "map.yaml", *QUICK)
+    assert result.exit_code == 0, result.output
+    found = rows(result.stdout)
+    assert list(found[0]) == COLUMNS
+    for row, pose in ((found[0], (1.5, 1.5, 0.0)), (found[-1], (8.0, 8.0, 90.0))):
+        assert (row["x_m"], row["y_m"]) == pytest.approx(pose[:2], abs=1e-9)
+        assert math.degrees(row["yaw_rad"]) == pytest.approx(pose[2], abs=1e-3)
+        assert row["velocity_mps"] == row["sprocket_rate_left_radps"] == row["sprocket_rate_right_radps"] == 0.0
+    steps = [math.hypot(b["x_m"] - a["x_m"], b["y_m"] - a["y_m"]) for a, b in pairwise(found)]
+    assert max(steps) <= 0.1
+    for row in found:
+        heading = row["yaw_rad"] - math.radians(90.0)
+        assert math.remainder(row["heading_rad"] - heading, 2 * math.pi) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_same_seed_and_iterations_give_the_same_bytes(run):
+    assert run("plan", "map.yaml", *QUICK).stdout == run("plan", "map.yaml", *QUICK, "--jobs", 1).stdout
+
+
+def test_summary_picture_and_verification(run, tmp_path):
+    words = ("--verify", "--plot", "plan.png", "--json", "-o", "plan.csv", "--clearance-m", 0.2)
+    result = run("plan", "map.yaml", *QUICK, *words)
+    assert result.exit_code == 0, result.output
+    found = json.loads(result.stdout)
+    assert found["solved"] is True
+    assert 0.0 < found["first_solution_s"] <= found["planning_s"]
+    assert found["duration_s"] == pytest.approx(rows((tmp_path / "plan.csv").read_text())[-1]["time_s"])
+    assert found["min_clearance_m"] >= 0.2
+    assert found["max_deviation_m"] < 0.012 * found["length_m"]
+    assert found["no_slip_max_deviation_m"] > 5.0 * found["max_deviation_m"]
+    assert found["collision"] is False
+    assert (tmp_path / "plan.png").stat().st_size > 10_000
+    closed = run("simulate", "plan.csv", "--feedback", "pose", "--rtol", 1e-4, "--json", "-o", "driven.csv")
+    assert closed.exit_code == 0, closed.output
+    assert json.loads(closed.stdout)["max_deviation_m"] < 0.002 * found["length_m"]
+
+
+def test_a_collision_in_the_simulation_exits_with_1_and_leaves_the_output(run, tmp_path, monkeypatch):
+    from trackctl.workflows import plan_verification
+
+    found = plan_verification.Verification(0.4, 0.0, True, "")
+    monkeypatch.setattr("trackctl.workflows.plan.verify", lambda *words: found)
+    result = run("plan", "map.yaml", *QUICK, "--verify", "-o", "plan.csv")
+    assert result.exit_code == 1
+    assert "touches an obstacle" in result.stderr
+    assert len(rows((tmp_path / "plan.csv").read_text())) > 10
+
+
+def test_json_and_ros(run):
+    as_csv = rows(run("plan", "map.yaml", *QUICK).stdout)
+    columns = json.loads(run("plan", "map.yaml", *QUICK, "--format", "json").stdout)
+    assert columns["x_m"] == [row["x_m"] for row in as_csv]
+    path = yaml.safe_load(run("plan", "map.yaml", *QUICK, "--format", "ros").stdout)
+    assert path["header"]["frame_id"] == "map"
+    last, row = path["poses"][-1], as_csv[-1]
+    assert last["pose"]["position"] == pytest.approx({"x": row["x_m"], "y": row["y_m"], "z": 0.0})
+    turn = last["pose"]["orientation"]
+    assert 2.0 * math.atan2(turn["z"], turn["w"]) == pytest.approx(row["yaw_rad"], abs=1e-9)
+    stamp = last["header"]["stamp"]
+    assert stamp["sec"] + 1e-9 * stamp["nanosec"] == pytest.approx(row["time_s"], abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("words", "code", "says"),
+    [
+        (("--goal", "5,5,0"), 1, "goal: the footprint touches cell"),
+        (("--start", "5,6.2,0", "--clearance-m", "0.5"), 1, "circle 1"),
+        (("--goal", "15,5,0"), 2, "x from 0 to 10 m"),
+        (("--goal", "5,5"), 2, "X,Y,YAW_DEG"),
+        (("--slope-deg", "44"), 1, "slope"),
+        (("--slope-deg", "60"), 2, "0 to 44.9"),
+        (("--speed-mps", "0"), 2, "--speed-mps"),
+        (("--clearance-m", "nan"), 2, "--clearance-m"),
+        (("--time-limit-s", "1"), 2, "--iterations"),
+        (("--plot", "plan.txt"), 2, "--plot"),
+        (("--cost", "beauty"), 2, "beauty"),
+        (("--lut", "missing.h5"), 2, "missing.h5"),
+    ],
+)
+def test_what_is_wrong_is_said(run, words, code, says):
+    result = run("plan", "map.yaml", *QUICK, *words)
+    assert result.exit_code == code, result.output
+    assert says in result.stderr
+    assert result.stdout == ""
+
+
+def test_a_closed_wall_leaves_no_path(run, tmp_path):
+    text = MAP.replace("circles: [[5, 5, 1]]", "polygons: [[[0, 4], [10, 4], [10, 5], [0, 5]]]")
+    (tmp_path / "wall.yaml").write_text(text)
+    result = run("plan", "wall.yaml", *QUICK, "--json")
+    assert result.exit_code == 1
+    found = json.loads(result.stdout)
+    assert found["solved"] is False
+    assert "goal not reach" in found["reason"]
+
+
+def test_a_map_without_start_says_how_to_give_one(run, tmp_path):
+    (tmp_path / "bare.yaml").write_text(MAP.replace("start: [1.5, 1.5, 0]\n", ""))
+    result = run("plan", "bare.yaml", *QUICK)
+    assert result.exit_code == 2
+    assert "--start" in result.stderr

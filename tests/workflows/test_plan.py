@@ -1,0 +1,115 @@
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from trackctl.errors import LutMismatchError, NoAnswerError, UsageError
+from trackctl.files.lut_writer import write_lut
+from trackctl.files.profile_yaml import load_terrain, load_vehicle
+from trackctl.geometry.circle import Circle
+from trackctl.planning.elevation import Elevation
+from trackctl.planning.planning_map import PlanningMap
+from trackctl.planning.search import Settings
+from trackctl.workflows.plan import PlanRequest, plan
+from trackctl.workflows.plan_verification import planned_ground
+from trackctl.workflows.unrolled_ground import unrolled
+
+VEHICLE, TERRAIN, GRAVITY = load_vehicle("utv-61cm"), load_terrain("asphalt"), 9.80665
+PLANE = PlanningMap(
+    file="plane",
+    circles=(Circle(5.0, 5.0, 1.0),),
+    bounds=(0.0, 0.0, 10.0, 10.0),
+    resolution=0.1,
+    slope=math.radians(12.0),
+    uphill_yaw=0.5 * math.pi,
+    start=(1.5, 1.5, 0.0),
+    goal=(8.0, 8.0, 0.5 * math.pi),
+)
+
+
+def hills():
+    centres = 0.1 * (np.arange(120) + 0.5)
+    height = 0.4 * np.sin(2.0 * np.pi * centres / 8.0) * np.cos(2.0 * np.pi * centres[:, None] / 11.0)
+    elevation = Elevation(height, 0.1, 0.1, 0.05, 0.05, "hills")
+    return replace(PLANE, slope=None, uphill_yaw=None, elevation=elevation, bounds=None)
+
+
+def planned(planning_map=PLANE, vehicle=VEHICLE, iterations=100, **more):
+    search = Settings(iterations=iterations)
+    fields = {"planning_map": planning_map, "vehicle": vehicle, "terrain": TERRAIN, "gravity": GRAVITY}
+    return plan(PlanRequest(**fields, search=search, **more))
+
+
+def check_limits(rows, vehicle):
+    """The profile's limits, at every row and between."""
+    step = np.diff(rows.time)
+    assert (step > 0.0).all()
+    assert np.abs(rows.velocity).max() <= vehicle.max_speed + 1e-9
+    assert (np.abs(np.diff(rows.velocity)) / step).max() <= vehicle.max_acceleration
+    for rate in (rows.rate_left, rows.rate_right):
+        assert np.abs(rate).max() <= vehicle.max_sprocket_rate
+        assert (np.abs(np.diff(rate)) / step).max() <= vehicle.max_sprocket_acceleration
+
+
+@pytest.mark.parametrize("planning_map", [PLANE, hills()], ids=["plane", "hills"])
+def test_the_limits_of_the_profile_are_kept_at_every_sample(planning_map):
+    check_limits(planned(planning_map).rows, VEHICLE)
+
+
+def test_a_weak_drive_slows_the_plan_down():
+    weak = replace(VEHICLE, max_sprocket_rate=8.0, max_sprocket_acceleration=5.0)
+    rows = planned(vehicle=weak).rows
+    check_limits(rows, weak)
+    assert rows.time[-1] > planned().rows.time[-1]
+
+
+def test_curvature_keeps_to_the_least_radius_and_has_no_jumps():
+    wide = replace(VEHICLE, min_turn_radius=2.0)
+    rows = planned(vehicle=wide).rows
+    assert np.abs(rows.curvature).max() <= 0.5 + 1e-9
+    way = np.hypot(np.diff(rows.x), np.diff(rows.y))
+    assert (np.abs(np.diff(rows.curvature)) / way).max() <= 2.0 * 0.5 / VEHICLE.contact_length * 1.01
+
+
+def test_backwards_out_of_a_dead_end():
+    """The goal lies behind the start: only backwards is there a short way."""
+    behind = replace(PLANE, circles=(), start=(6.0, 5.0, 0.0), goal=(2.0, 5.0, 0.0))
+    rows = planned(behind, reverse=True).rows
+    assert rows.velocity.min() < -0.5
+    assert rows.length < 6.5
+    check_limits(rows, VEHICLE)
+    assert (rows.x[-1], rows.y[-1], rows.yaw[-1]) == pytest.approx((2.0, 5.0, 0.0), abs=2e-6)
+
+
+def test_hills_unrolled_lead_back_to_the_map():
+    rows = planned(hills()).rows
+    flat = unrolled(planned_ground(rows))
+    assert not flat.ground.is_plane
+    x, y, yaw = flat.to_map(rows.time, flat.x, flat.y, flat.yaw)
+    assert x == pytest.approx(rows.x, abs=1e-12)
+    assert y == pytest.approx(rows.y, abs=1e-12)
+    assert np.cos(yaw - rows.yaw) == pytest.approx(1.0, abs=1e-9)
+    # On the ground the way is longer than on the map.
+    assert rows.length > np.hypot(np.diff(rows.x), np.diff(rows.y)).sum()
+
+
+def test_a_table_of_another_vehicle_is_refused(tmp_path):
+    from solved_tables import solved_table
+
+    write_lut(tmp_path / "lut.h5", solved_table())
+    with pytest.raises(LutMismatchError):
+        planned(vehicle=replace(VEHICLE, mass=200.0), lut=tmp_path / "lut.h5")
+    with pytest.raises(UsageError, match="holds"):
+        planned(replace(PLANE, slope=math.radians(5.0)), lut=tmp_path / "lut.h5")
+    assert planned(lut=tmp_path / "lut.h5").rows.length > 9.0
+
+
+def test_a_slope_too_steep_is_named():
+    with pytest.raises(NoAnswerError, match="44 deg"):
+        planned(replace(PLANE, slope=math.radians(44.0)))
+
+
+def test_a_start_in_an_obstacle_is_named():
+    with pytest.raises(NoAnswerError, match=r"start: the footprint touches cell .* circle 1"):
+        planned(replace(PLANE, start=(5.0, 5.0, 0.0)))
