@@ -1,5 +1,3 @@
-import math
-
 import numpy as np
 import pytest
 from solved_tables import SLOPE, TERRAIN, VEHICLE, solved_table
@@ -27,13 +25,6 @@ def test_what_is_given_out_is_feasible_in_the_model(limits):
     left, right, _ = cells["unknowns"].T
     rate = np.maximum(left, right) * np.array(points)[:, 1] / VEHICLE.sprocket_radius
     assert (rate <= VEHICLE.max_sprocket_rate).all()
-
-
-def test_speed_falls_where_the_ground_does_not_hold(limits):
-    """Gravity away from the turning centre is the hard half: a left turn heading with up-slope to the left."""
-    sharpest = limits.speed[0, -1]
-    assert sharpest.min() < sharpest.max()
-    assert limits.direction[np.argmin(sharpest)] > math.pi
 
 
 def test_right_turns_mirror_left_turns(limits):

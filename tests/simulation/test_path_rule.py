@@ -18,7 +18,7 @@ from simulation.driving import (
 
 from trackctl.lut.point import solve_points
 from trackctl.simulation.path import circle, path_of_curvature
-from trackctl.simulation.path_rule import naive_commands, no_slip_commands, path_commands
+from trackctl.simulation.path_rule import Ground, naive_commands, no_slip_commands, path_commands
 
 #: What the path rule is known to reach, in percent of the way: with contact memory, and without.
 FIGURES = [
@@ -136,3 +136,22 @@ def test_acceleration_needs_traction():
 def test_a_slope_too_steep_is_told_by_the_residual():
     commands = path_commands(slope_scene(44), lap("small"))
     assert commands.residual.max() > 1e-3
+
+
+def test_ground_of_one_slope_is_the_plane():
+    scene, path = slope_scene(12, uphill_yaw=0.4), circle(2.0, 0.5, 0.5, (0.0, 0.0, 0.0))
+    level = slope_scene(0, uphill_yaw=1.0)
+    ground = Ground(path.arc_length, np.full_like(path.x, math.radians(12)), np.full_like(path.x, 0.4))
+    plane, along = path_commands(scene, path), path_commands(level, path, ground)
+    assert along.track_speed_left == pytest.approx(plane.track_speed_left, abs=1e-9)
+    assert along.sideslip == pytest.approx(plane.sideslip, abs=1e-9)
+
+
+def test_up_slope_that_turns_with_the_path_makes_a_steady_turn():
+    """Heading from up-slope stays: the sideslip is constant, as on a cone that is driven round."""
+    path = circle(2.0, 0.5, 0.5, (0.0, 0.0, 0.0))
+    ground = Ground(path.arc_length, np.full_like(path.x, math.radians(12)), path.tangent - 1.0)
+    commands = path_commands(slope_scene(0), path, ground)
+    inner = slice(120, -120)
+    assert commands.residual.max() <= 1e-10
+    assert np.ptp(commands.sideslip[inner]) < 1e-6

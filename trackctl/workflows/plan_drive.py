@@ -44,7 +44,9 @@ SHARE = 0.97
 #: Slip that a plan may need, or so many times that of the steady turns, if it is more. [-]
 MOST_SLIP, MORE_SLIP = 0.25, 1.5
 #: Rounds of slowing down where a limit is exceeded, and the excess that an unsolved sample counts as.
-SLOWER_ROUNDS, UNSOLVED_EXCESS = 10, 2.0
+SLOWER_ROUNDS, UNSOLVED_EXCESS = 16, 2.0
+#: Track speed over that of the hull, at most usually.
+SLIPPING = 1.15
 #: Rounds in which the tangents at the ends settle to the sideslip there.
 END_ROUNDS, SETTLED = 4, 1e-6
 #: Blends over the least that the model page asks for, as far as there is room: the longer, the better they are driven.
@@ -264,7 +266,10 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
     most, _, steady_slip = limits_along(model, line, pose, curvature)
     if not (most > 0.0).all():
         raise UndrivableError("no feasible speed on it")
-    acceleration = np.full_like(most, SHARE * model.vehicle.max_acceleration)
+    # The outer track gains speed by the turn, and a little by slip.
+    outer = SLIPPING + 0.5 * model.vehicle.track_gauge * np.abs(surface.curvature)
+    by_drive = model.vehicle.max_sprocket_acceleration * model.vehicle.sprocket_radius / outer
+    acceleration = SHARE * np.minimum(model.vehicle.max_acceleration, by_drive)
     allowed_slip = np.maximum(MOST_SLIP, MORE_SLIP * steady_slip)
     width = math.ceil(model.vehicle.contact_length / (place[1] - place[0]))
     for _ in range(SLOWER_ROUNDS):
