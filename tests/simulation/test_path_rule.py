@@ -152,6 +152,6 @@ def test_up_slope_that_turns_with_the_path_makes_a_steady_turn():
     path = circle(2.0, 0.5, 0.5, (0.0, 0.0, 0.0))
     ground = Ground(path.arc_length, np.full_like(path.x, math.radians(12)), path.tangent - 1.0)
     commands = path_commands(slope_scene(0), path, ground)
-    inner = slice(120, -120)
+    inner = slice(70, -70)
     assert commands.residual.max() <= 1e-10
     assert np.ptp(commands.sideslip[inner]) < 1e-6
