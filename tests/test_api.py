@@ -20,7 +20,7 @@ from trackctl.lut.interpolation import LookupResult, LookupStatus
 from trackctl.lut.table import Status
 from trackctl.simulation.track_force_drive import TrackForces
 
-MODULES = [import_module(f"trackctl.api.{name}") for name in ("profiles", "tables", "motion")]
+MODULES = [import_module(f"trackctl.api.{name}") for name in ("profiles", "tables", "motion", "planning")]
 SAMPLE = Path(api_sample.__file__).resolve()
 ROOT = Path(__file__).resolve().parent.parent
 FUNCTIONS = [name for name in trackctl.__all__ if name.islower()]
@@ -29,9 +29,9 @@ ELSEWHERE = {"arc_path", "clothoid_path", "constant_speeds"}
 
 
 def examples():
-    """Docstrings with examples, by the name of what they document; what writes a table first."""
+    """Docstrings with examples, by the name of what they document; what writes a table or a map first."""
     found = {test.name: test for module in MODULES for test in doctest.DocTestFinder().find(module) if test.examples}
-    return dict(sorted(found.items(), key=lambda item: not item[0].endswith("compile_table")))
+    return dict(sorted(found.items(), key=lambda item: not item[0].endswith(("compile_table", "load_map"))))
 
 
 EXAMPLES = examples()

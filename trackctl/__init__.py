@@ -40,6 +40,7 @@ if TYPE_CHECKING:
         nominal_forces,
         simulate,
     )
+    from trackctl.api.planning import PlanCost, PlanningMap, PlanResult, load_map, plan
     from trackctl.api.profiles import TerrainProfile, VehicleProfile, load_terrain, load_vehicle
     from trackctl.api.tables import (
         CMethod,
@@ -76,6 +77,9 @@ __all__ = [
     "LookupTable",
     "Measured",
     "NoAnswerError",
+    "PlanCost",
+    "PlanResult",
+    "PlanningMap",
     "Precision",
     "Seeding",
     "SimulateResult",
@@ -96,18 +100,26 @@ __all__ = [
     "export_table",
     "identify",
     "load_commands",
+    "load_map",
     "load_path",
     "load_terrain",
     "load_vehicle",
     "nominal_forces",
     "open_table",
+    "plan",
     "simulate",
     "solve_point",
 ]
 
 if not TYPE_CHECKING:  # a checker would take any name for one of ours
     # The light ones first: a name is looked for until it is found.
-    _MODULES = ("trackctl.errors", "trackctl.api.profiles", "trackctl.api.motion", "trackctl.api.tables")
+    _MODULES = (
+        "trackctl.errors",
+        "trackctl.api.profiles",
+        "trackctl.api.motion",
+        "trackctl.api.planning",
+        "trackctl.api.tables",
+    )
 
     def __getattr__(name):
         """Load a name of `__all__` when it is first used."""
