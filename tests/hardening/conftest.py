@@ -6,6 +6,7 @@ from writing_commands import LOG, SMALL_TABLE
 
 from trackctl.cli.app import app
 
+MAP = "obstacles:\n  circles: [[5, 5, 1.2]]\nbounds_m: [0, 0, 10, 10]\nstart: [2, 2, 0]\ngoal: [8, 8, 90]\n"
 POINTS = "velocity_mps,radius_m,heading_deg\n1,5,90\n1,-5,90\n0.7,inf,0\n"
 
 
@@ -18,7 +19,9 @@ def run():
 def inputs(run, tmp_path_factory):
     """Paths by name, as the words of `COMMANDS` want them."""
     folder = tmp_path_factory.mktemp("inputs")
-    paths = {"log": LOG, **{name: folder / name for name in ("lut.h5", "points.csv", "slip.yaml", "sweep.csv")}}
+    names = ("lut.h5", "map.yaml", "points.csv", "slip.yaml", "sweep.csv")
+    paths = {"log": LOG, **{name: folder / name for name in names}}
+    paths["map.yaml"].write_text(MAP)
     paths["points.csv"].write_text(POINTS)
     for words in (
         ["compute-lut", *SMALL_TABLE.split(), "--jobs", "1", "-o", paths["lut.h5"]],

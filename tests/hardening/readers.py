@@ -3,8 +3,10 @@
 from pathlib import Path
 
 from trackctl.files.csv_table import read_csv
+from trackctl.files.elevation_file import read_elevation
 from trackctl.files.journal import Journal, journal_path
 from trackctl.files.log_stream import log_sources, read_blocks
+from trackctl.files.map_file import read_planning_map
 from trackctl.files.path_csv import read_waypoints
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.files.slip_yaml import read_slip
@@ -28,6 +30,8 @@ READERS = {
     "points": (lambda path: read_points(read_csv(path)), "points.csv"),
     "commands": (lambda path: read_commands(read_csv(path), 0.1), "commands.csv"),
     "picture": (lambda path: csv_picture(read_csv(path)), "sweep.csv"),
+    "map": (read_planning_map, "map.yaml"),
+    "elevation": (lambda path: read_elevation(Path(path)), "ground.asc"),
     "path": (read_waypoints, "path.csv"),
     "log": (lambda path: list(read_blocks(path, log_sources(0.1))), "log.csv"),
     "checkpoint": (lambda path: read_journal(Path(path)), "lut.h5.partial"),
@@ -46,6 +50,8 @@ def real_files(inputs, folder):
         "points.csv": Path(inputs["points"]).read_bytes(),
         "sweep.csv": Path(inputs["sweep"]).read_bytes(),
         "commands.csv": b"time_s,track_speed_left_mps,track_speed_right_mps\n0,0.1,0.2\n1,0.1,0.2\n2,0.3,0.1\n",
+        "map.yaml": Path(inputs["map"]).read_bytes(),
+        "ground.asc": (ROOT / "tests" / "data" / "maps" / "kootenai_1m.asc").read_bytes(),
         "path.csv": b"x_m,y_m,speed_mps\n0,0,1\n20,0,1\n40,10,1\n60,10,1\n",
         "log.csv": b"".join(Path(inputs["log"]).read_bytes().splitlines(keepends=True)[:40]),
         "lut.h5.partial": (folder / "lut.h5.partial").read_bytes(),

@@ -29,6 +29,8 @@ COMMANDS = {
     "sensitivity": Writing("sensitivity --samples 256 --jobs 1"),
     "sweep": Writing("sweep --slope-deg 3,5 --heading-deg 0:360:30 --jobs 1"),
     "simulate": Writing("simulate --track-speeds-mps 0.2,0.5 --duration-s 1"),
+    "plan": Writing("plan {map} --iterations 20 --jobs 1"),
+    "plan --plot": Writing("plan {map} --iterations 20 --jobs 1", ".png", "--plot"),
     "forces": Writing("forces"),
     "identify": Writing("identify {log} --vehicle husky"),
     "identify --save": Writing("identify {log} --vehicle husky", ".yaml", "--save"),
