@@ -107,7 +107,7 @@ class PlanResult:
     first_solution, planning
         Wall times from the start of the search. [s]
     cost
-        Of the route, as the search has it.
+        Duration [s] or length [m] of the plan; of work [J] and slip [m] that of the route, blends and stops left aside.
     nodes
         Of the tree.
     min_clearance
@@ -245,7 +245,7 @@ def plan(
         rows,
         found.first_solution or math.nan,
         planning,
-        cost,
+        driven_cost(request.search.cost, rows, cost),
         found.nodes,
         clearance,
         grid,
@@ -344,6 +344,17 @@ def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[
     led = problem if request.reverse else led_in(model, problem)
     found = [replace(led, clearance=request.clearance + cut), led]
     return found if request.reverse else [*found, problem]
+
+
+def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
+    """What a plan costs: the search knows neither blends nor stops."""
+    match cost:
+        case Cost.TIME:
+            return float(rows.time[-1])
+        case Cost.LENGTH:
+            return rows.length
+        case _:
+            return searched_cost
 
 
 def summary_of(result: PlanResult) -> dict[str, object]:
