@@ -139,3 +139,14 @@ def test_a_map_without_start_says_how_to_give_one(run, tmp_path):
     result = run("plan", "bare.yaml", *QUICK)
     assert result.exit_code == 2
     assert "--start" in result.stderr
+
+
+def test_on_a_slope_more_room_is_kept_where_there_is_room(run):
+    """Open loop a vehicle leaves its plan by up to a share of the way that grows with the slope."""
+
+    def clearance(slope):
+        barred = MAP.replace("[[5, 5, 1]]", "[[5, 4, 2]]")
+        result = run("plan", "-", "--slope-deg", slope, *QUICK, "--json", "-o", f"{slope}.csv", stdin=barred)
+        return json.loads(result.stdout)["min_clearance_m"]
+
+    assert clearance(15) > clearance(0) + 0.5 * 0.05 * math.tan(math.radians(15.0)) * math.hypot(6.5, 6.5)

@@ -50,6 +50,8 @@ Progress = Callable[[float, float], None]
 
 #: Least radius of a plan where the profile has none, over the contact length.
 LEAST_RADIUS = 1.5
+#: How far a vehicle may leave its plan open loop, over the way from start to goal and the tangent of the slope.
+DEVIATION = 0.05
 #: Routes that are tried to drive, the best first.
 MOST_ROUTES = 8
 
@@ -335,14 +337,17 @@ def driven_plan(
 def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[Problem]:
     """Searches to be made until a route can be driven.
 
-    Blends cut corners by up to curvature blend^2 / 24: the first search keeps that much farther away, the second no
-    more than it must. The last one starts and ends at the poses themselves; when driving backwards is allowed, whether
-    the ends are driven forwards is not known beforehand, and there is no other.
+    Blends cut corners by up to curvature blend^2 / 24, and on a slope the vehicle leaves its plan, as far as it goes:
+    the first searches keep that much farther away, the next no more than it must. The last one starts and ends at the
+    poses themselves; when driving backwards is allowed, whether the ends are driven forwards is not known beforehand,
+    and there is no other.
     """
     slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
     cut = model.sharpest * (LONG_BLEND * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+    away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
     led = problem if request.reverse else led_in(model, problem)
-    found = [replace(led, clearance=request.clearance + cut), led]
+    rooms = dict.fromkeys((cut + away, cut + away / 3.0, cut, 0.0))
+    found = [replace(led, clearance=request.clearance + room) for room in rooms]
     return found if request.reverse else [*found, problem]
 
 
