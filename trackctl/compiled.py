@@ -21,6 +21,8 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 # Everything but nnan and ninf: status checks rely on NaN.
 FASTMATH = {"reassoc", "contract", "arcp", "nsz", "afn"}
+#: Part of the cache for what only kernels call: numba tells the two shapes of a function apart by nothing else.
+FOR_KERNELS = "for_kernels"
 KERNEL_ROOMS = ("mechanics", "solvers", "lut", "planning", "sensitivity", "identification", "simulation")
 
 
@@ -53,31 +55,49 @@ def kernels_are_compiled() -> bool:
 
 
 @contextlib.contextmanager
-def cached_in_kernel_folder() -> Iterator[None]:
-    """Let numba cache what is compiled in the block in `kernel_folder`."""
+def cached_in_kernel_folder(part: str = "") -> Iterator[None]:
+    """Let numba cache what is compiled in the block in a part of `kernel_folder`."""
     config: Any = numba.config
     before = config.CACHE_DIR
-    config.CACHE_DIR = str(kernel_folder())
+    config.CACHE_DIR = str(kernel_folder() / part)
     try:
         yield
     finally:
         config.CACHE_DIR = before
 
 
+class Compiled:
+    """A compiled function in two shapes: for other kernels, and for Python, each compiled where it is first called.
+
+    What turns Python's arguments into numbers would otherwise be compiled with every kernel, in vain for most.
+    """
+
+    def __init__(self, function: Callable[..., object], **options: object) -> None:
+        functools.update_wrapper(self, function)
+        # Not all of it is in numba's type hints.
+        settings: Any = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH}
+        settings |= {"no_cfunc_wrapper": True} | options
+        bare: Any = settings | {"no_cpython_wrapper": True}
+        with cached_in_kernel_folder():
+            self._for_python: Any = numba.njit(**settings)(function)
+        with cached_in_kernel_folder(FOR_KERNELS):
+            self._for_kernels: Any = numba.njit(**bare)(function)
+        # What numba takes for the object where a kernel calls it.
+        self._numba_type_ = self._for_kernels._numba_type_
+
+    def __call__(self, *arguments: object, **named: object) -> object:
+        """Call it from Python."""
+        return self._for_python(*arguments, **named)
+
+
 def kernel(function: Kernel) -> Kernel:
     """Compile a function with the package's settings: cached, without the GIL, vectorisable loops."""
-    with cached_in_kernel_folder():
-        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH)(function)
-    return cast("Kernel", compiled)
+    return cast("Kernel", Compiled(function))
 
 
 def inlined(function: Kernel) -> Kernel:
     """Compile a function as `kernel` does, into its callers, which leave out what they do not use."""
-    with cached_in_kernel_folder():
-        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, forceinline=True)(
-            function
-        )
-    return cast("Kernel", compiled)
+    return cast("Kernel", Compiled(function, forceinline=True))
 
 
 def borrowing_kernel(function: Kernel) -> Kernel:
@@ -85,10 +105,7 @@ def borrowing_kernel(function: Kernel) -> Kernel:
 
     Where small kernels hand each other tuples of arrays, counting references takes most of the time.
     """
-    with cached_in_kernel_folder():
-        options: Any = {"_nrt": False}  # not in numba's type hints
-        compiled: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=FASTMATH, **options)(function)
-    return cast("Kernel", compiled)
+    return cast("Kernel", Compiled(function, _nrt=False))
 
 
 def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
