@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 
 TOLERANCE = 1e-10
 EVALUATIONS = 60
+#: Of a start, over the speed: a shoe that does not slide at all has no direction of shear, nor a derivative.
+LEAST_SLIDING = 1e-8
 #: Sample spacing and width of the Gaussian of the derivative along the path, over the contact length.
 SPACING, SMOOTHING = 1.0 / 24.0, 0.12
 #: Samples are no farther apart than this. [m]
@@ -141,7 +143,7 @@ def solve_along(
         motion = PrescribedMotion(m[0], m[1], m[2], m[3], m[4])
         start = i - 1 if math.isnan(unknowns[i, 0]) else i
         for k in range(3):
-            x[k] = work.trial[k] = unknowns[start, k]
+            x[k] = work.trial[k] = unknowns[start, k] + (LEAST_SLIDING if k < 2 else 0.0)
             work.residual[k] = math.inf
         damping = 0.0
         for _ in range(EVALUATIONS):
