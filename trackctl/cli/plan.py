@@ -70,7 +70,10 @@ def plan(
         float | None, typer.Option("--speed-mps", help="Drive no faster.", show_default="the vehicle's top speed")
     ] = None,
     clearance_m: Annotated[
-        float, typer.Option("--clearance-m", help="To keep between the footprint and obstacles.")
+        float,
+        typer.Option(
+            "--clearance-m", help="To keep between the footprint and obstacles; on a slope more, if none is given."
+        ),
     ] = 0.0,
     cost: Annotated[PlanCost, typer.Option("--cost", help="What to have the least of.")] = PlanCost.TIME,
     reverse: Annotated[bool, typer.Option("--reverse", help="Drive backwards, too.")] = False,

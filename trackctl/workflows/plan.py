@@ -29,7 +29,7 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import (
-    LONG_BLEND,
+    LONG_BLENDS,
     DriveModel,
     DrivenLine,
     UndrivableError,
@@ -301,7 +301,7 @@ def led_in(model: DriveModel, problem: Problem) -> Problem:
     for pose, sense in ((problem.start, 0.5), (problem.goal, -0.5)):
         x, y, yaw = pose
         slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
-        way = sense * LONG_BLEND * blend_length(model, slope, model.sharpest)
+        way = sense * min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)
         tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
         poses.append((x + way * math.cos(tangent), y + way * math.sin(tangent), yaw))
     return replace(problem, start=poses[0], goal=poses[1])
@@ -324,8 +324,8 @@ def driven_plan(
             reasons.append(found.reason)
             continue
         # Long blends first; where those of the best route do not fit, the least ones are tried along all.
-        best, routes = found.improvements[-1:], found.improvements[::-1][:MOST_ROUTES]
-        for improvement, longer in [(each, LONG_BLEND) for each in best] + [(each, 1.0) for each in routes]:
+        best, routes = found.improvements[-1], found.improvements[::-1][:MOST_ROUTES]
+        for improvement, longer in [(best, long) for long in LONG_BLENDS] + [(each, 1.0) for each in routes]:
             try:
                 driven = drive_route(model, improvement.route, problem.start, problem.goal, longer)
                 return found, driven, improvement.cost
@@ -337,16 +337,16 @@ def driven_plan(
 def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[Problem]:
     """Searches to be made until a route can be driven.
 
-    Blends cut corners by up to curvature blend^2 / 24, and on a slope the vehicle leaves its plan, as far as it goes:
-    the first searches keep that much farther away, the next no more than it must. The last one starts and ends at the
-    poses themselves; when driving backwards is allowed, whether the ends are driven forwards is not known beforehand,
-    and there is no other.
+    Blends cut corners by up to curvature blend^2 / 24, and on a slope the vehicle leaves its plan: the first searches
+    keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
+    The last one starts and ends at the poses themselves; when driving backwards is allowed, whether the ends are driven
+    forwards is not known beforehand, and there is no other.
     """
     slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
-    cut = model.sharpest * (LONG_BLEND * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+    cut = model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
     led = problem if request.reverse else led_in(model, problem)
-    rooms = dict.fromkeys((cut + away, cut + away / 3.0, cut, 0.0))
+    rooms = (cut, 0.0) if away == 0.0 or request.clearance > 0.0 else (cut + away, cut + away / 3.0, cut, 0.0)
     found = [replace(led, clearance=request.clearance + room) for room in rooms]
     return found if request.reverse else [*found, problem]
 

@@ -50,7 +50,7 @@ SLIPPING = 1.15
 #: Rounds in which the tangents at the ends settle to the sideslip there.
 END_ROUNDS, SETTLED = 4, 1e-6
 #: Blends over the least that the model page asks for, as far as there is room: the longer, the better they are driven.
-LONG_BLEND = 1.5
+LONG_BLENDS = (2.0, 1.5)
 #: Slope from which tight turns, of radii below two contact lengths, need blends of as much. [rad]
 STEEP = math.radians(15.0)
 
