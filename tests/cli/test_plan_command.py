@@ -9,6 +9,7 @@ import yaml
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
+from trackctl.workflows import plan as workflow
 
 COLUMNS = [
     *("time_s", "x_m", "y_m", "yaw_rad", "velocity_mps", "curvature_1pm", "slope_rad", "heading_rad"),
@@ -141,12 +142,23 @@ def test_a_map_without_start_says_how_to_give_one(run, tmp_path):
     assert "--start" in result.stderr
 
 
-def test_on_a_slope_more_room_is_kept_where_there_is_room(run):
+def test_on_a_slope_more_room_is_looked_for_unless_told(run, monkeypatch):
     """Open loop a vehicle leaves its plan by up to a share of the way that grows with the slope."""
+    asked = []
 
-    def clearance(slope):
-        barred = MAP.replace("[[5, 5, 1]]", "[[5, 4, 2]]")
-        result = run("plan", "-", "--slope-deg", slope, *QUICK, "--json", "-o", f"{slope}.csv", stdin=barred)
-        return json.loads(result.stdout)["min_clearance_m"]
+    def look(problem, *rest):
+        asked.append(problem.clearance)
+        return search(problem, *rest)
 
-    assert clearance(15) > clearance(0) + 0.5 * 0.05 * math.tan(math.radians(15.0)) * math.hypot(6.5, 6.5)
+    def most_room(*words):
+        asked.clear()
+        assert run("plan", "map.yaml", *QUICK, *words).exit_code == 0
+        return asked[1]  # after the one that compiles
+
+    search = workflow.search
+    monkeypatch.setattr(workflow, "search", look)
+    share = 0.05 * math.tan(math.radians(12.0)) * math.hypot(6.5, 6.5)
+    cut = most_room("--clearance-m", 0.1) - 0.1
+    assert 0.0 < cut < 0.1
+    assert most_room() == pytest.approx(share + cut, rel=0.1)
+    assert most_room("--slope-deg", 0) < 0.1

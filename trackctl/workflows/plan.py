@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -20,7 +20,7 @@ from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, straight_tangent
 from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, overridden, slope_field
-from trackctl.planning.search import Problem, SearchResult, Settings, search
+from trackctl.planning.search import Improvement, Problem, SearchResult, Settings, search
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.surface_line import is_plane
@@ -52,6 +52,8 @@ Progress = Callable[[float, float], None]
 LEAST_RADIUS = 1.5
 #: How far a vehicle may leave its plan open loop, over the way from start to goal and the tangent of the slope.
 DEVIATION = 0.05
+#: Blends move a path by more than they cut where its pieces are many; then so many times the room is tried.
+MORE_ROOM = (3.0, 9.0)
 #: Routes that are tried to drive, the best first.
 MOST_ROUTES = 8
 
@@ -318,20 +320,36 @@ def driven_plan(
         If there is none.
     """
     reasons: list[str] = []
+    searched: list[SearchResult] = []
     for attempt in attempts(request, model, problem):
         found = search(attempt, request.search, progress)
         if found.route is None:
             reasons.append(found.reason)
             continue
-        # Long blends first; where those of the best route do not fit, the least ones are tried along all.
-        best, routes = found.improvements[-1], found.improvements[::-1][:MOST_ROUTES]
-        for improvement, longer in [(best, long) for long in LONG_BLENDS] + [(each, 1.0) for each in routes]:
-            try:
-                driven = drive_route(model, improvement.route, problem.start, problem.goal, longer)
-                return found, driven, improvement.cost
-            except UndrivableError as error:
-                reasons.append(f"a way was found but cannot be driven: {error}")
+        searched.append(found)
+        best = [(found.improvements[-1], long) for long in LONG_BLENDS]
+        if (driven := first_driven(model, problem, best, reasons)) is not None:
+            return found, *driven
+    for found in searched:
+        routes = [(each, 1.0) for each in found.improvements[::-1][:MOST_ROUTES]]
+        if (driven := first_driven(model, problem, routes, reasons)) is not None:
+            return found, *driven
     raise NoAnswerError(reasons[0])
+
+
+def first_driven(
+    model: DriveModel, problem: Problem, candidates: Sequence[tuple[Improvement, float]], reasons: list[str]
+) -> tuple[list[DrivenLine], float] | None:
+    """The first of some routes, each with its blends over the least, that can be driven, and its cost.
+
+    Why others cannot is added to the reasons.
+    """
+    for improvement, longer in candidates:
+        try:
+            return drive_route(model, improvement.route, problem.start, problem.goal, longer), improvement.cost
+        except UndrivableError as error:
+            reasons.append(f"a way was found but cannot be driven: {error}")
+    return None
 
 
 def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[Problem]:
@@ -343,10 +361,11 @@ def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[
     forwards is not known beforehand, and there is no other.
     """
     slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
-    cut = model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
+    cut = model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
     led = problem if request.reverse else led_in(model, problem)
-    rooms = (cut, 0.0) if away == 0.0 or request.clearance > 0.0 else (cut + away, cut + away / 3.0, cut, 0.0)
+    preferred = () if away == 0.0 or request.clearance > 0.0 else (cut + away, cut + away / 3.0)
+    rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)
     found = [replace(led, clearance=request.clearance + room) for room in rooms]
     return found if request.reverse else [*found, problem]
 

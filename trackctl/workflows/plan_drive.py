@@ -313,19 +313,23 @@ def excess_of(model: DriveModel, commands: PathCommands, allowed_slip: Array) ->
 def check_clear(model: DriveModel, driven: Sequence[DrivenLine]) -> None:
     """Refuse what touches something, with the sideslips that are commanded."""
     for each in driven:
-        x, y, yaw = map_poses(each)
+        x, y, yaw, _ = map_poses(each)
         check_poses(model, x, y, yaw)
 
 
-def map_poses(driven: DrivenLine) -> tuple[Array, Array, Array]:
-    """Position [m] and yaw of the body [rad] on the map at the commands' samples, the yaw without jumps."""
+def map_poses(driven: DrivenLine) -> tuple[Array, Array, Array, Array]:
+    """Position [m] and yaw of the body on the map at the commands' samples, and its heading from up-slope. [rad]
+
+    The heading is in the plane of the ground; the yaw is without jumps.
+    """
     x, y, direction = driven.line.at(driven.place)
     slope, uphill = driven.surface_at("slope"), driven.surface_at("map_uphill")
+    back = math.pi if driven.line.backwards else 0.0
     if driven.surface.uphill is driven.surface.map_uphill:
-        yaw = direction - driven.commands.sideslip
-    else:
-        yaw = uphill + on_map(on_ground(direction - uphill, slope) - driven.commands.sideslip, slope)
-    return x, y, np.unwrap(yaw) + (math.pi if driven.line.backwards else 0.0)
+        heading = direction - driven.commands.sideslip - uphill
+        return x, y, np.unwrap(heading + uphill) + back, heading + back
+    heading = on_ground(direction - uphill, slope) - driven.commands.sideslip
+    return x, y, np.unwrap(uphill + on_map(heading, slope)) + back, heading + back
 
 
 def no_slip_twin(model: DriveModel, driven: DrivenLine) -> DrivenLine:

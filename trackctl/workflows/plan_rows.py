@@ -110,15 +110,14 @@ def stretch_rows(model: DriveModel, driven: DrivenLine, number: int, time: float
     apart = min(ROW_SPACING * model.vehicle.contact_length, LONGEST_ROW)
     stride = max(int(apart / step * (1.0 + 1e-9)), 1)
     kept = np.unique(np.append(np.arange(0, path.speed.size, stride), path.speed.size - 1))
-    x, y, yaw = map_poses(driven)
+    x, y, yaw, heading = map_poses(driven)
     radius = model.vehicle.sprocket_radius
     left, right = commands.track_speed_left / radius, commands.track_speed_right / radius
     slips = commands.slip_left, commands.slip_right
-    heading = path.tangent - commands.sideslip - driven.surface_at("uphill")
     velocity, curvature = path.speed, path.curvature
     if driven.line.backwards:
         left, right, slips = -right, -left, (-slips[1], -slips[0])
-        heading, velocity, curvature = heading + math.pi, -velocity, -curvature
+        velocity, curvature = -velocity, -curvature
     columns = {
         "time": time + commands.time,
         "x": x,
