@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,26 +18,20 @@ from trackctl.planning.clearance import clearances
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
-from trackctl.planning.ground import Cost, straight_tangent
+from trackctl.planning.ground import Cost
 from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, overridden, slope_field
-from trackctl.planning.search import Improvement, Problem, SearchResult, Settings, search
+from trackctl.planning.search import Problem, Settings, search
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.surface_line import is_plane
 from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhere, searched, table_limits
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.plan_attempts import driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import (
-    LONG_BLENDS,
-    DriveModel,
-    DrivenLine,
-    UndrivableError,
-    blend_length,
     drive_model,
-    drive_route,
     no_slip_twin,
-    slopes_at,
     turned_round,
 )
 from trackctl.workflows.plan_rows import Rows, rows_of
@@ -50,12 +44,6 @@ Progress = Callable[[float, float], None]
 
 #: Least radius of a plan where the profile has none, over the contact length.
 LEAST_RADIUS = 1.5
-#: How far a vehicle may leave its plan open loop, over the way from start to goal and the tangent of the slope.
-DEVIATION = 0.05
-#: Blends move a path by more than they cut where its pieces are many; then so many times the room is tried.
-MORE_ROOM = (3.0, 9.0)
-#: Routes that are tried to drive, the best first.
-MOST_ROUTES = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -152,12 +140,6 @@ def sharpest_curvature(vehicle: VehicleProfile) -> float:
     return 1.0 / (vehicle.min_turn_radius or LEAST_RADIUS * vehicle.contact_length)
 
 
-def slope_range(field: SlopeField) -> tuple[float, float]:
-    """Least and largest slope of a map. [rad]"""
-    slopes = np.arctan(np.hypot(field.gradient_x, field.gradient_y))
-    return float(np.nanmin(slopes)), float(np.nanmax(slopes))
-
-
 def steering(
     request: PlanRequest, field: SlopeField, progress: Callable[[int, int], None]
 ) -> tuple[SteeringLimits, SteeringLimits | None]:
@@ -236,7 +218,7 @@ def plan(
     # Kernels that are to be compiled are no part of the time that a search may take.
     search(problem, replace(request.search, iterations=1))
     begin = time.perf_counter()
-    found, driven, cost = driven_plan(request, model, problem, searching)
+    found, driven, cost = driven_plan(model, problem, request.search, searching)
     rows = rows_of(model, driven)
     planning = time.perf_counter() - begin
     verification = no_slip = None
@@ -295,79 +277,6 @@ def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
         f"{request.vehicle.name} can drive in no direction on {request.terrain.name} on this slope ({where}): "
         "there is no equilibrium within the limits of the profile"
     )
-
-
-def led_in(model: DriveModel, problem: Problem) -> Problem:
-    """The problem from half a blend ahead of the start to half a blend short of the goal, driven straight."""
-    poses = []
-    for pose, sense in ((problem.start, 0.5), (problem.goal, -0.5)):
-        x, y, yaw = pose
-        slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
-        way = sense * min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)
-        tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
-        poses.append((x + way * math.cos(tangent), y + way * math.sin(tangent), yaw))
-    return replace(problem, start=poses[0], goal=poses[1])
-
-
-def driven_plan(
-    request: PlanRequest, model: DriveModel, problem: Problem, progress: Progress
-) -> tuple[SearchResult, list[DrivenLine], float]:
-    """Search, and drive the best route that can be driven.
-
-    Raises
-    ------
-    NoAnswerError
-        If there is none.
-    """
-    reasons: list[str] = []
-    searched: list[SearchResult] = []
-    for attempt in attempts(request, model, problem):
-        found = search(attempt, request.search, progress)
-        if found.route is None:
-            reasons.append(found.reason)
-            continue
-        searched.append(found)
-        best = [(found.improvements[-1], long) for long in LONG_BLENDS]
-        if (driven := first_driven(model, problem, best, reasons)) is not None:
-            return found, *driven
-    for found in searched:
-        routes = [(each, 1.0) for each in found.improvements[::-1][:MOST_ROUTES]]
-        if (driven := first_driven(model, problem, routes, reasons)) is not None:
-            return found, *driven
-    raise NoAnswerError(reasons[0])
-
-
-def first_driven(
-    model: DriveModel, problem: Problem, candidates: Sequence[tuple[Improvement, float]], reasons: list[str]
-) -> tuple[list[DrivenLine], float] | None:
-    """The first of some routes, each with its blends over the least, that can be driven, and its cost.
-
-    Why others cannot is added to the reasons.
-    """
-    for improvement, longer in candidates:
-        try:
-            return drive_route(model, improvement.route, problem.start, problem.goal, longer), improvement.cost
-        except UndrivableError as error:
-            reasons.append(f"a way was found but cannot be driven: {error}")
-    return None
-
-
-def attempts(request: PlanRequest, model: DriveModel, problem: Problem) -> list[Problem]:
-    """Searches to be made until a route can be driven.
-
-    Blends cut corners by up to curvature blend^2 / 24, and on a slope the vehicle leaves its plan: the first searches
-    keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
-    The last one starts and ends at the poses themselves; when driving backwards is allowed, whether the ends are driven
-    forwards is not known beforehand, and there is no other.
-    """
-    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
-    away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
-    cut = model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
-    led = problem if request.reverse else led_in(model, problem)
-    preferred = () if away == 0.0 or request.clearance > 0.0 else (cut + away, cut + away / 3.0)
-    rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)
-    found = [replace(led, clearance=request.clearance + room) for room in rooms]
-    return found if request.reverse else [*found, problem]
 
 
 def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
