@@ -50,38 +50,8 @@ class InputFileError(TrackctlError):
         super().__init__(f"{where}: {problem}")
 
 
-class ProfileError(InputFileError):
-    """A vehicle or terrain profile holds a key or value that is not allowed.
-
-    Parameters
-    ----------
-    file
-        The profile file.
-    problem
-        What is wrong, naming key, value and what is allowed.
-    line
-        Line number from 1, where known.
-    key
-        The key at fault, where one is.
-    value
-        Its value.
-    """
-
-    def __init__(
-        self,
-        file: Path | str,
-        problem: str,
-        line: int | None = None,
-        key: str | None = None,
-        value: object = None,
-    ) -> None:
-        self.key = key
-        self.value = value
-        super().__init__(file, problem, line)
-
-
-class MapError(InputFileError):
-    """A map, an image or elevation grid of one, or what it lays down for a plan is not allowed.
+class KeyedFileError(InputFileError):
+    """A file of keys and values holds one that is not allowed.
 
     Parameters
     ----------
@@ -108,6 +78,14 @@ class MapError(InputFileError):
         self.key = key
         self.value = value
         super().__init__(file, problem, line)
+
+
+class ProfileError(KeyedFileError):
+    """A vehicle or terrain profile holds a key or value that is not allowed."""
+
+
+class MapError(KeyedFileError):
+    """A map, an image or elevation grid of one, or what it lays down for a plan is not allowed."""
 
 
 class LutFormatError(InputFileError):
