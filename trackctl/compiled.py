@@ -16,6 +16,7 @@ from typing import Any, TypeVar, cast
 
 import llvmlite.binding
 import numba
+from numba.core.compiler_lock import global_compiler_lock
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
@@ -56,14 +57,18 @@ def kernels_are_compiled() -> bool:
 
 @contextlib.contextmanager
 def cached_in_kernel_folder(part: str = "") -> Iterator[None]:
-    """Let numba cache what is compiled in the block in a part of `kernel_folder`."""
+    """Let numba cache what is compiled in the block in a part of `kernel_folder`.
+
+    The setting is one for all threads, so that only one may be compiling.
+    """
     config: Any = numba.config
-    before = config.CACHE_DIR
-    config.CACHE_DIR = str(kernel_folder() / part)
-    try:
-        yield
-    finally:
-        config.CACHE_DIR = before
+    with global_compiler_lock:
+        before = config.CACHE_DIR
+        config.CACHE_DIR = str(kernel_folder() / part)
+        try:
+            yield
+        finally:
+            config.CACHE_DIR = before
 
 
 class Compiled:
@@ -74,20 +79,37 @@ class Compiled:
 
     def __init__(self, function: Callable[..., object], **options: object) -> None:
         functools.update_wrapper(self, function)
+        self._function = function
         # Not all of it is in numba's type hints.
-        settings: Any = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH}
-        settings |= {"no_cfunc_wrapper": True} | options
-        bare: Any = settings | {"no_cpython_wrapper": True}
-        with cached_in_kernel_folder():
-            self._for_python: Any = numba.njit(**settings)(function)
-        with cached_in_kernel_folder(FOR_KERNELS):
-            self._for_kernels: Any = numba.njit(**bare)(function)
-        # What numba takes for the object where a kernel calls it.
-        self._numba_type_ = self._for_kernels._numba_type_
+        self._settings: Any = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH}
+        self._settings |= {"no_cfunc_wrapper": True} | options
+        self._made_for_python: Any = None
+        self._made_for_kernels: Any = None
 
     def __call__(self, *arguments: object, **named: object) -> object:
         """Call it from Python."""
         return self._for_python(*arguments, **named)
+
+    # Both are made when asked for: few kernels are called from Python, and none from kernels that come from the cache.
+    @property
+    def _for_python(self) -> Any:
+        if self._made_for_python is None:
+            with cached_in_kernel_folder():
+                self._made_for_python = numba.njit(**self._settings)(self._function)
+        return self._made_for_python
+
+    @property
+    def _for_kernels(self) -> Any:
+        if self._made_for_kernels is None:
+            bare: Any = self._settings | {"no_cpython_wrapper": True}
+            with cached_in_kernel_folder(FOR_KERNELS):
+                self._made_for_kernels = numba.njit(**bare)(self._function)
+        return self._made_for_kernels
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes for the object where a kernel calls it."""
+        return self._for_kernels._numba_type_
 
 
 def kernel(function: Kernel) -> Kernel:
