@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_trapezoid
 
 from trackctl.compiled import kernel
 from trackctl.planning.ground import Ground, Motion, rate_at
@@ -71,6 +70,11 @@ def on_map(angle: Array, slope: Array) -> Array:
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle) * np.cos(slope)))
 
 
+def integral(values: Array, places: Array) -> Array:
+    """Integral from the first of some places to each, by the trapezoidal rule."""
+    return np.concatenate(([0.0], np.cumsum(np.diff(places) * (values[1:] + values[:-1]) / 2.0)))
+
+
 def surface_line(
     field: SlopeField, arc_length: Array, pose: tuple[Array, Array, Array], curvature: Array
 ) -> SurfaceLine:
@@ -94,12 +98,12 @@ def surface_line(
         return SurfaceLine(arc_length, direction, curvature, slope, map_uphill, map_uphill)
     rise = g_x * np.cos(direction) + g_y * np.sin(direction)
     stretch = np.sqrt(1.0 + rise**2)
-    length = arc_length[0] + cumulative_trapezoid(stretch, arc_length, initial=0)
+    length = arc_length[0] + integral(stretch, arc_length)
     tangent = np.stack((np.cos(direction), np.sin(direction), rise)) / stretch
     normal = np.stack((-g_x, -g_y, np.ones_like(g_x))) * np.cos(slope)
     bend = np.gradient(tangent, length, axis=1)
     geodesic = np.einsum("in,in->n", normal, np.cross(tangent, bend, axis=0))
-    unrolled = direction[0] + cumulative_trapezoid(geodesic, length, initial=0)
+    unrolled = direction[0] + integral(geodesic, length)
     uphill = unrolled - on_ground(direction - map_uphill, slope)
     return SurfaceLine(length, unrolled, geodesic, slope, np.unwrap(uphill), map_uphill)
 

@@ -8,8 +8,6 @@ from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator
-from scipy.spatial import KDTree
 
 from trackctl.simulation.motion import End, Integration, State, integration
 from trackctl.simulation.path import Path
@@ -140,6 +138,8 @@ def drive_over(simulation: Integration, speeds: TrackSpeeds, slopes: Slopes, set
 
 def sampled(commands: PathCommands, time: Array) -> list[Reference]:
     """The target at some times, interpolated smoothly: chords between samples would be fed back as errors."""
+    from scipy.interpolate import Akima1DInterpolator  # takes its time
+
     path = commands.path
     columns = (path.x, path.y, path.tangent, commands.sideslip, path.speed)
     rows = np.stack([Akima1DInterpolator(commands.time, values)(time) for values in columns], axis=1)
@@ -148,6 +148,8 @@ def sampled(commands: PathCommands, time: Array) -> list[Reference]:
 
 def deviation(path: Path, x: Array, y: Array) -> Array:
     """Distance of points from a path, taken as straight between its samples, shape of `x`. [m]"""
+    from scipy.spatial import KDTree  # takes its time
+
     corners = np.stack((path.x, path.y), axis=1)
     points = np.stack((x, y), axis=1)
     # The two nearest: where a path closes, the end of one lap and the start of the next are the same place.

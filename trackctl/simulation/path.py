@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import cumulative_simpson
 
 Array = NDArray[np.float64]
 
@@ -47,6 +46,8 @@ class Path:
 
 def path_of_curvature(arc_length: Array, curvature: Array, speed: Array, start: tuple[float, float, float]) -> Path:
     """The path of a curvature [1/m] over arc length [m] from x, y [m] and tangent [rad]."""
+    from scipy.integrate import cumulative_simpson  # takes its time
+
     x, y, tangent = start
     direction = tangent + cumulative_simpson(curvature, x=arc_length, initial=0.0)
     return Path(
@@ -57,6 +58,17 @@ def path_of_curvature(arc_length: Array, curvature: Array, speed: Array, start: 
         curvature,
         speed,
     )
+
+
+def hermite(place: Array, values: Array, slopes: Array, at: Array) -> Array:
+    """Cubics between places where values and slopes are known, at others."""
+    step = np.diff(place)
+    chord = np.diff(values) / step
+    third = (slopes[:-1] + slopes[1:] - 2.0 * chord) / step
+    second = (chord - slopes[:-1]) / step - third
+    k = np.clip(np.searchsorted(place, at, side="right") - 1, 0, step.size - 1)
+    s = at - place[k]
+    return np.asarray(values[k] + slopes[k] * s + second[k] * (s * s) + third[k] / step[k] * (s * s * s))
 
 
 def circle(radius: float, speed: float, turns: float, start: tuple[float, float, float]) -> Path:

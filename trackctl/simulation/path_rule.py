@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline
 from scipy.ndimage import gaussian_filter1d
 
 from trackctl.compiled import kernel
@@ -25,7 +24,7 @@ from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.prescribed_motion import PrescribedMotion, prescribed_balance
 from trackctl.mechanics.quadrature import Rule, rules
 from trackctl.mechanics.slip import body_speed, slip
-from trackctl.simulation.path import Path
+from trackctl.simulation.path import Path, hermite
 from trackctl.simulation.vehicle_rates import Scene
 from trackctl.solvers import levenberg_marquardt as lm
 from trackctl.solvers.workspace import workspace
@@ -167,7 +166,7 @@ def resampled(path: Path, length: float) -> tuple[Path, slice]:
     inside = np.clip(s, 0.0, path.length)
     curvature = np.interp(s, path.arc_length, path.curvature)
     x, y, tangent = (
-        np.asarray(CubicHermiteSpline(path.arc_length, values, slopes)(inside), np.float64)
+        hermite(path.arc_length, values, slopes, inside)
         for values, slopes in (
             (path.x, np.cos(path.tangent)),
             (path.y, np.sin(path.tangent)),
