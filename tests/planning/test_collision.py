@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from planning_cases import RECTANGLE, contains, driven, grid_of, laid_down, level_problem
 
-from trackctl.planning.clearance import clearances, first_hit
+from trackctl.planning.clearance import first_hit, least_clearance
 from trackctl.planning.collision import NOWHERE, disc_clearance, is_clear, obstacles_of, touched_cell
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.pieces import FINEST_STEP, free_length, pivot_is_free
@@ -65,7 +65,10 @@ def test_poses_against_edges_and_vertices(polygon, yaw):
     poses = np.column_stack((local @ turn.T + (grid.x, grid.y), stream.uniform(-4.0, 4.0, 30)))
     expected = np.array([true_clearance(grid, polygon, pose) for pose in poses])
     assert 5 < (expected > 0.0).sum() < 28
-    np.testing.assert_allclose(clearances(obstacles, *poses.T), expected, atol=1e-12)
+    found = [least_clearance(obstacles, *pose[:, None]) for pose in poses]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    apart = expected > 0.0
+    assert least_clearance(obstacles, *poses[apart].T) == pytest.approx(expected[apart].min(), abs=1e-12)
     for (x, y, angle), clearance in zip(poses, expected, strict=True):
         facing = math.cos(angle), math.sin(angle)
         assert disc_clearance(obstacles, x, y, *facing) <= clearance + 1e-12
@@ -105,10 +108,10 @@ def test_sweeps_cut_no_corner_and_give_up_only_at_obstacles():
         curvature, length = stream.uniform(-1.0, 1.0) / 1.5, stream.uniform(0.5, 5.0)
         free = free_length(task, x, y, tangent, curvature, length)
         poses = driven((x, y, tangent), [(curvature, free, 0.0)], 0.003)
-        assert clearances(task.obstacles, *poses.T).min() > 0.0
+        assert least_clearance(task.obstacles, *poses.T) > 0.0
         if free < length:
             # Sweeps step by what the clearance proves; a mitred corner counts for up to 1/sin(45 deg) of it.
-            assert clearances(task.obstacles, *poses[-1:].T)[0] <= 2.0 * math.sqrt(2.0) * FINEST_STEP * 0.1 + 1e-9
+            assert least_clearance(task.obstacles, *poses[-1:].T) <= 2.0 * math.sqrt(2.0) * FINEST_STEP * 0.1 + 1e-9
             stopped += 1
     assert stopped > 50
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel, kernel
+from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision import HALF_DIAGONAL, Obstacles, cell_position, free_radius, is_clear
 
 Array = NDArray[np.float64]
@@ -106,16 +106,15 @@ def clearance_at(obstacles: Obstacles, x: float, y: float, yaw: float, bound: fl
     return bound
 
 
-@kernel
-def _clearances(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: float) -> Array:
-    found = np.empty(x.size)
+@borrowing_kernel
+def _least_clearance(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: float) -> float:
     for i in range(x.size):
-        found[i] = clearance_at(obstacles, x[i], y[i], yaw[i], bound)
-    return found
+        bound = clearance_at(obstacles, x[i], y[i], yaw[i], bound)
+    return bound
 
 
-def clearances(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: float = 2.0) -> Array:
-    """Distance from the footprint to the nearest blocked square at each pose, cut off at a bound. [m]
+def least_clearance(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: float = 2.0) -> float:
+    """Least distance from the footprint to a blocked square at some poses, the bound if that is less. [m]
 
     Parameters
     ----------
@@ -126,7 +125,7 @@ def clearances(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: floa
     bound
         What is farther need not be told: the time grows with its square. [m]
     """
-    return _clearances(obstacles, *_contiguous(x, y, yaw), bound)
+    return float(_least_clearance(obstacles, *_contiguous(x, y, yaw), bound))
 
 
 def _contiguous(x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Array]:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from trackctl.errors import NoAnswerError, UsageError
 from trackctl.lut.table import Table
 from trackctl.planning.blocked_cell import describe_cell
-from trackctl.planning.clearance import clearances
+from trackctl.planning.clearance import least_clearance
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
@@ -226,7 +226,7 @@ def plan(
         setting = request.vehicle, request.terrain, request.gravity, exact
         verification = verify(rows, *setting)
         no_slip = verify(rows_of(model, [no_slip_twin(model, each) for each in driven]), *setting)
-    clearance = float(clearances(exact, rows.x, rows.y, np.unwrap(rows.yaw)).min())
+    clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
     return PlanResult(
         rows,
         found.first_solution or math.nan,

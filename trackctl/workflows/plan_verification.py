@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.planning.clearance import clearances
+from trackctl.planning.clearance import least_clearance
 from trackctl.planning.collision import Obstacles
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
@@ -100,7 +100,7 @@ def verify(
     time = np.linspace(rows.time[0], simulation.time, count + 1)
     motion = sample(simulation, vehicle.mass, time)
     x, y, yaw = on_the_map(flat, time, motion.x, motion.y, motion.yaw)
-    clearance = float(clearances(obstacles, x, y, yaw).min())
+    clearance = least_clearance(obstacles, x, y, yaw)
     done = end is End.DONE
     away = float(deviation(rows.path, x, y).max())
     return Verification(away, clearance, clearance <= 0.0, "" if done else end.name.lower())
