@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from trackctl.planning.blending import Line, blended_route, goal_of, stretches_of
+from trackctl.planning.blending import Adjustment, Line, blended_route, goal_of, stretches_of
 from trackctl.planning.pose import advanced
 from trackctl.planning.route import Route
 
@@ -48,6 +48,18 @@ def test_start_and_goal_are_met_exactly(name):
     gap = goal_of(lines) - goal
     assert np.abs(gap[:2]).max() <= 1e-10
     assert math.remainder(gap[2], 2 * math.pi) == pytest.approx(0.0, abs=1e-10)
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_the_end_changes_with_lengths_and_curvatures_as_told(name):
+    route, (start, goal), lines = blended(name)
+    adjustment = Adjustment(stretches_of(route), (len(lines) - 1) * [0.2], start, goal, BLEND, SHARPEST)
+    found = adjustment.slopes(adjustment.first, adjustment.lines(adjustment.first))
+    for k, column in enumerate(found.T):
+        beside = np.zeros_like(adjustment.first)
+        beside[k] = 1e-5
+        lower, upper = (goal_of(adjustment.lines(adjustment.first + sign * beside)) for sign in (-1, 1))
+        np.testing.assert_allclose(column, (upper - lower) / 2e-5, atol=1e-8)
 
 
 @pytest.mark.parametrize("name", ROUTES)

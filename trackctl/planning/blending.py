@@ -28,8 +28,6 @@ SAME_CURVATURE = 1e-9
 #: The goal is met to this. [m], [rad]
 MET = 1e-11
 NEWTON_STEPS = 30
-#: Step of difference quotients. [m], [1/m]
-DIFFERENCE = 1e-6
 #: Largest change of a step, over the scales of the unknowns.
 LARGEST_CHANGE = 1.0
 #: Scale of a change of curvature, over the sharpest allowed; that of lengths is a blend.
@@ -206,11 +204,30 @@ def blended_route(
     adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest)
     unknowns = np.clip(adjustment.first, adjustment.lower, adjustment.upper)
     for _ in range(NEWTON_STEPS):
-        gap = adjustment.gap(unknowns)
+        lines = adjustment.lines(unknowns)
+        gap = adjustment.gap(lines)
         if np.abs(gap).max() <= MET:
-            return adjustment.lines(unknowns)
-        unknowns = adjustment.step(unknowns, gap)
+            return lines
+        unknowns = adjustment.step(unknowns, gap, adjustment.slopes(unknowns, lines))
     return None
+
+
+def end_slopes(stretch: Stretch, line: Line, blend: float) -> Array:
+    """Derivatives of the end of a blended stretch by its lengths, then by its curvatures, shape (3, 2 n)."""
+    step = 0.5 * np.diff(line.knots)
+    places = (line.knots[:-1, None] + step[:, None] * (1.0 + NODES)).ravel()
+    weights = (step[:, None] * WEIGHTS).ravel()
+    direction, (_, _, last) = line.at(places)[2], line.end
+    joints = np.concatenate(([0.0], np.cumsum(stretch.length)))
+    shares = np.clip((places[:, None] - joints) / blend, 0.0, 1.0)
+    risen = 0.5 * blend * shares**2 + np.maximum(places[:, None] - joints - blend, 0.0)
+    jumps = np.diff(stretch.curvature, prepend=0.0, append=0.0)
+    # A longer piece shifts the jumps behind it; a sharper one turns all that comes after.
+    shifted = -np.cumsum((shares * jumps)[:, :0:-1], axis=1)[:, ::-1]
+    turned = np.hstack((shifted, risen[:, :-1] - risen[:, 1:]))
+    slopes = np.stack((-(weights * np.sin(direction)) @ turned, (weights * np.cos(direction)) @ turned))
+    slopes[:, : stretch.length.size] += [[math.cos(last)], [math.sin(last)]]
+    return np.vstack((slopes, np.concatenate((stretch.curvature, stretch.length))))
 
 
 class Adjustment:
@@ -241,28 +258,35 @@ class Adjustment:
         self.lower, self.upper = np.where(is_length, 0.0, -sharpest), np.where(is_length, np.inf, sharpest)
         self._scale = np.where(is_length, blend, CURVATURE_SHARE * sharpest)
 
-    def lines(self, unknowns: Array) -> list[Line]:
-        """The lines of lengths and curvatures."""
+    def _stretches_of(self, unknowns: Array) -> list[Stretch]:
         parts = [np.split(part, 2) for part in np.split(unknowns, self._cuts)]
-        changed = [
+        return [
             replace(stretch, length=length, curvature=curvature)
             for stretch, (length, curvature) in zip(self._stretches, parts, strict=True)
         ]
-        return chained(changed, self._start, self._blend, self._kinks)
 
-    def gap(self, unknowns: Array) -> Array:
+    def lines(self, unknowns: Array) -> list[Line]:
+        """The lines of lengths and curvatures."""
+        return chained(self._stretches_of(unknowns), self._start, self._blend, self._kinks)
+
+    def gap(self, lines: Sequence[Line]) -> Array:
         """What is missing to the goal, x, y [m] and tangent [rad], shape (3,)."""
-        missing = self._goal - goal_of(self.lines(unknowns))
+        missing = self._goal - goal_of(lines)
         missing[2] = math.remainder(missing[2], 2.0 * math.pi)
         return missing
 
-    def step(self, unknowns: Array, gap: Array) -> Array:
+    def slopes(self, unknowns: Array, lines: Sequence[Line]) -> Array:
+        """Derivatives of the end of the lines by the unknowns, shape (3, n): what follows a stretch moves with it."""
+        x, y, _ = lines[-1].end
+        found = []
+        for stretch, line in zip(self._stretches_of(unknowns), lines, strict=True):
+            slopes, (from_x, from_y, _) = end_slopes(stretch, line, self._blend), line.end
+            slopes[:2] += np.array([[from_y - y], [x - from_x]]) * slopes[2]
+            found.append(slopes)
+        return np.hstack(found)
+
+    def step(self, unknowns: Array, gap: Array, slopes: Array) -> Array:
         """Unknowns a Newton step of least scaled length ahead; those that it would take out of bounds end there."""
-        slopes = np.empty((3, unknowns.size))
-        for k in range(unknowns.size):
-            beside = unknowns.copy()
-            beside[k] += DIFFERENCE
-            slopes[:, k] = (gap - self.gap(beside)) / DIFFERENCE
         free = np.ones(unknowns.size, np.bool_)
         found = unknowns.copy()
         while free.any():
