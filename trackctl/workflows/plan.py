@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -224,8 +225,9 @@ def plan(
     verification = no_slip = None
     if request.verify:
         setting = request.vehicle, request.terrain, request.gravity, exact
-        verification = verify(rows, *setting)
-        no_slip = verify(rows_of(model, [no_slip_twin(model, each) for each in driven]), *setting)
+        twin = rows_of(model, [no_slip_twin(model, each) for each in driven])
+        with ThreadPoolExecutor(request.jobs) as pool:
+            verification, no_slip = pool.map(lambda commands: verify(commands, *setting), (rows, twin))
     clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
     return PlanResult(
         rows,
