@@ -11,6 +11,7 @@ import functools
 import hashlib
 import os
 from collections.abc import Callable, Iterator
+from inspect import ismodule
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -94,6 +95,7 @@ class Compiled:
     @property
     def _for_python(self) -> Any:
         if self._made_for_python is None:
+            link_callees(self._function)
             with cached_in_kernel_folder():
                 self._made_for_python = numba.njit(**self._settings)(self._function)
         return self._made_for_python
@@ -130,6 +132,51 @@ def borrowing_kernel(function: Kernel) -> Kernel:
     return cast("Kernel", Compiled(function, _nrt=False))
 
 
+class Linked:
+    """A function compiled once for all its callers, which call it by address."""
+
+    def __init__(self, function: Callable[..., None], signature: Any) -> None:
+        functools.update_wrapper(self, function)
+        self._function, self._signature = function, signature
+        self._compiled: Any = None
+
+    def link(self) -> None:
+        """Compile or load it, and make its address known; what calls it must not be loaded before."""
+        if self._compiled is None:
+            link_callees(self._function)
+            with cached_in_kernel_folder():
+                make = numba.cfunc(self._signature, cache=True, error_model="numpy", fastmath=FASTMATH)
+                self._compiled = make(self._function)
+            llvmlite.binding.add_symbol(self._name, self._compiled.address)
+
+    @property
+    def _name(self) -> str:
+        return f"{self._function.__module__}.{self._function.__qualname__}"
+
+    @property
+    def _numba_type_(self) -> Any:
+        """What numba takes for the object where a kernel calls it."""
+        self.link()
+        return numba.types.ExternalFunction(self._name, self._signature)
+
+
+def link_callees(function: Callable[..., object]) -> None:
+    """Link all `Linked` functions that a function calls, itself or through other kernels."""
+    seen: set[Callable[..., object]] = set()
+    left = [function]
+    while left:
+        caller = left.pop()
+        names = caller.__code__.co_names
+        known = [caller.__globals__[name] for name in names if name in caller.__globals__]
+        inside = [vars(module)[name] for module in known if ismodule(module) for name in names if name in vars(module)]
+        for callee in (*known, *inside):
+            if isinstance(callee, Linked):
+                callee.link()
+            elif isinstance(callee, Compiled) and callee._function not in seen:
+                seen.add(callee._function)
+                left.append(callee._function)
+
+
 def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
     """Compile a function once, for kernels that call it by address.
 
@@ -138,10 +185,6 @@ def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
     """
 
     def link(function: Callable[..., None]) -> Any:
-        with cached_in_kernel_folder():
-            compiled = numba.cfunc(signature, cache=True, error_model="numpy", fastmath=FASTMATH)(function)
-        name = f"{function.__module__}.{function.__qualname__}"
-        llvmlite.binding.add_symbol(name, compiled.address)
-        return numba.types.ExternalFunction(name, signature)
+        return Linked(function, signature)
 
     return link
