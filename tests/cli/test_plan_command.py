@@ -148,15 +148,15 @@ def test_on_a_slope_more_room_is_looked_for_unless_told(run, monkeypatch):
 
     def look(problem, *rest):
         asked.append(problem.clearance)
-        return search(problem, *rest)
+        return begin(problem, *rest)
 
     def most_room(*words):
         asked.clear()
         assert run("plan", "map.yaml", *QUICK, *words).exit_code == 0
         return asked[0]
 
-    search = plan_attempts.search
-    monkeypatch.setattr(plan_attempts, "search", look)
+    begin = plan_attempts.Search
+    monkeypatch.setattr(plan_attempts, "Search", look)
     share = 0.05 * math.tan(math.radians(12.0)) * math.hypot(6.5, 6.5)
     cut = most_room("--clearance-m", 0.1) - 0.1
     assert 0.0 < cut < 0.1

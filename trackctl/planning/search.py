@@ -153,49 +153,104 @@ class SearchResult:
         return self.improvements[0].elapsed if self.improvements else None
 
 
-def search(
-    problem: Problem, settings: Settings, progress: Callable[[float, float], None] | None = None
-) -> SearchResult:
-    """Find a way, and better ones as long as time or iterations last.
+def search(problem: Problem, settings: Settings) -> SearchResult:
+    """Find a way, and better ones as long as time or iterations last."""
+    found = Search(problem, settings)
+    found.go_on(settings.iterations, None if settings.iterations is not None else settings.time_limit)
+    return found.result()
 
-    Parameters
+
+def stopwatch(clock: Callable[[], float] = time.perf_counter) -> Callable[[], float]:
+    """What tells the seconds since now."""
+    begin = clock()
+    return lambda: clock() - begin
+
+
+class Search:
+    """A search that can be left and gone on with; that is all the same to what it finds.
+
+    Attributes
     ----------
-    problem
-        Map, vehicle, start and goal.
-    settings
-        How to search.
-    progress
-        Called with what is done and what there is to do, in iterations or else seconds.
+    improvements
+        Routes found so far, each better than the one before.
+    reason
+        Why there is no route, as a sentence, once that is sure; else empty.
     """
-    load_kernels()
-    begin = time.perf_counter()
-    task = task_of(problem, settings)
-    reason = _hindrance(problem, task)
-    if reason:
-        return SearchResult((), reason, time.perf_counter() - begin, 0, 0)
-    start, goal = (tangent_pose(task.ground, pose) for pose in (problem.start, problem.goal))
-    state = Anytime(task, start, goal, settings.seed)
-    improvements: list[Improvement] = []
-    total = math.inf if settings.iterations is None else settings.iterations
-    doubted = True
-    while state.iterations < total:
-        found = state.step(int(min(BATCH, total - state.iterations)))
-        elapsed = time.perf_counter() - begin
-        if found:
-            improvements.append(Improvement(elapsed, state.iterations, state.cost, state.route()))
-        elif doubted and not improvements and state.iterations >= DOUBT:
-            doubted = False
-            guide = _guide(problem, task)
+
+    def __init__(self, problem: Problem, settings: Settings, elapsed: Callable[[], float] | None = None) -> None:
+        """Begin with a problem.
+
+        Parameters
+        ----------
+        problem
+            Map, vehicle, start and goal.
+        settings
+            How to search; how long is up to `go_on`.
+        elapsed
+            Tells the seconds that improvements are noted with; None: since now.
+        """
+        load_kernels()
+        self._elapsed = elapsed or stopwatch()
+        self._problem, self._task = problem, task_of(problem, settings)
+        self.improvements: list[Improvement] = []
+        self.reason = _hindrance(problem, self._task)
+        start, goal = (tangent_pose(self._task.ground, pose) for pose in (problem.start, problem.goal))
+        self._state = Anytime(self._task, start, goal, settings.seed)
+        self._doubted = True
+
+    @property
+    def iterations(self) -> int:
+        """Done so far."""
+        return self._state.iterations
+
+    def go_on(
+        self, iterations: int | None, until: float | None, after_step: Callable[[int], None] | None = None
+    ) -> None:
+        """Go on for some iterations and up to a time, as long as there may be a route; for a step at least.
+
+        Parameters
+        ----------
+        iterations
+            None for any number.
+        until
+            In what `elapsed` tells, looked at after each step; None: whenever. [s]
+        after_step
+            Told the iterations of each step.
+        """
+        left = math.inf if iterations is None else iterations
+        while left > 0 and not self.reason:
+            done = self._step(left)
+            left -= done
+            if after_step is not None:
+                after_step(done)
+            if until is not None and self._elapsed() >= until:
+                break
+
+    def _step(self, most: float) -> int:
+        """A few iterations, and doubt once there are many without a route; their number."""
+        state, before = self._state, self._state.iterations
+        if state.step(int(min(BATCH, most))):
+            self.improvements.append(Improvement(self._elapsed(), state.iterations, state.cost, state.route()))
+        elif self._doubted and not self.improvements and state.iterations >= DOUBT:
+            self._doubted = False
+            guide = _guide(self._problem, self._task)
             state.follow(guide)
-            reason = "" if guide.size else _separation(problem, task)
-        if progress is not None:
-            progress(*((elapsed, settings.time_limit) if settings.iterations is None else (state.iterations, total)))
-        if reason or (settings.iterations is None and elapsed >= settings.time_limit):
-            break
-    if not improvements and not reason:
-        reason = f"goal not reached: no connection in {state.iterations} iterations"
-        reason = reason if _guide(problem, task).size else _separation(problem, task)
-    return SearchResult(tuple(improvements), reason, time.perf_counter() - begin, state.iterations, state.nodes)
+            self.reason = "" if guide.size else _separation(self._problem, self._task)
+        return state.iterations - before
+
+    def result(self) -> SearchResult:
+        """What has come of it so far."""
+        reason = self._reason_so_far()
+        return SearchResult(
+            tuple(self.improvements), reason, self._elapsed(), self._state.iterations, self._state.nodes
+        )
+
+    def _reason_so_far(self) -> str:
+        if self.reason or self.improvements:
+            return self.reason
+        if not _guide(self._problem, self._task).size:
+            return _separation(self._problem, self._task)
+        return f"goal not reached: no connection in {self.iterations} iterations"
 
 
 @functools.cache

@@ -30,11 +30,7 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.plan_attempts import driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
-from trackctl.workflows.plan_drive import (
-    drive_model,
-    no_slip_twin,
-    turned_round,
-)
+from trackctl.workflows.plan_drive import drive_model, no_slip_twin, turned_round
 from trackctl.workflows.plan_rows import Rows, rows_of
 from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
 from trackctl.workflows.plan_verification import Verification, verify
@@ -219,13 +215,13 @@ def plan(
     # Kernels that are to be compiled are no part of the time that a search may take.
     search(problem, replace(request.search, iterations=1))
     begin = time.perf_counter()
-    found, driven, cost = driven_plan(model, problem, request.search, searching)
-    rows = rows_of(model, driven)
+    driven = driven_plan(model, problem, request.search, searching)
     planning = time.perf_counter() - begin
+    rows, found = driven.rows, driven.search.result()
     verification = no_slip = None
     if request.verify:
         setting = request.vehicle, request.terrain, request.gravity, exact
-        twin = rows_of(model, [no_slip_twin(model, each) for each in driven])
+        twin = rows_of(model, [no_slip_twin(model, each) for each in driven.lines])
         with ThreadPoolExecutor(request.jobs) as pool:
             verification, no_slip = pool.map(lambda commands: verify(commands, *setting), (rows, twin))
     clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
@@ -233,7 +229,7 @@ def plan(
         rows,
         found.first_solution or math.nan,
         planning,
-        driven_cost(request.search.cost, rows, cost),
+        driven.cost,
         found.nodes,
         clearance,
         grid,
@@ -279,17 +275,6 @@ def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
         f"{request.vehicle.name} can drive in no direction on {request.terrain.name} on this slope ({where}): "
         "there is no equilibrium within the limits of the profile"
     )
-
-
-def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
-    """What a plan costs: the search knows neither blends nor stops."""
-    match cost:
-        case Cost.TIME:
-            return float(rows.time[-1])
-        case Cost.LENGTH:
-            return rows.length
-        case _:
-            return searched_cost
 
 
 def summary_of(result: PlanResult) -> dict[str, object]:

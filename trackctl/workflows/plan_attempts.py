@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from trackctl.errors import NoAnswerError
-from trackctl.planning.ground import straight_tangent
-from trackctl.planning.search import Improvement, Problem, SearchResult, Settings, search
+from trackctl.planning.ground import Cost, straight_tangent
+from trackctl.planning.search import Improvement, Problem, Search, Settings, stopwatch
 from trackctl.planning.slope_field import SlopeField
 from trackctl.workflows.plan_drive import (
     LONG_BLENDS,
@@ -21,6 +21,7 @@ from trackctl.workflows.plan_drive import (
     drive_route,
     slopes_at,
 )
+from trackctl.workflows.plan_rows import Rows, rows_of
 
 Progress = Callable[[float, float], None]
 
@@ -30,6 +31,10 @@ DEVIATION = 0.05
 MORE_ROOM = (3.0, 9.0)
 #: Routes that are tried to drive, the best first.
 MOST_ROUTES = 8
+#: Of the time that is left, what an attempt has until a route of one can be driven.
+SHARE = 0.25
+#: A plan is driven anew, half way to the end of the time, as long as so many of its drives would fit into the rest.
+STOPS = 10.0
 
 
 def slope_range(field: SlopeField) -> tuple[float, float]:
@@ -50,47 +55,192 @@ def led_in(model: DriveModel, problem: Problem) -> Problem:
     return replace(problem, start=poses[0], goal=poses[1])
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DrivenPlan:
+    """A route that can be driven.
+
+    Attributes
+    ----------
+    search
+        That found it.
+    improvement
+        The route.
+    lines, rows
+        As it is driven.
+    cost
+        Duration [s] or length [m] as driven; of work [J] and slip [m] that of the route, blends and stops left aside.
+    """
+
+    search: Search
+    improvement: Improvement
+    lines: list[DrivenLine]
+    rows: Rows
+    cost: float
+
+
 def driven_plan(
-    model: DriveModel, problem: Problem, settings: Settings, progress: Progress
-) -> tuple[SearchResult, list[DrivenLine], float]:
+    model: DriveModel,
+    problem: Problem,
+    settings: Settings,
+    progress: Progress,
+    elapsed: Callable[[], float] | None = None,
+) -> DrivenPlan:
     """Search, and drive the best route that can be driven.
+
+    The attempts share the time: each has a part of what is left, until a route of one can be driven; that one has all
+    the rest. Of iterations each attempt has the full number.
+
+    Parameters
+    ----------
+    model, problem
+        Vehicle and map.
+    settings
+        How to search, and how long.
+    progress
+        Told what is done, and all.
+    elapsed
+        Tells the seconds since the start; None: since now.
 
     Raises
     ------
     NoAnswerError
         If there is none.
     """
-    reasons: list[str] = []
-    searched: list[SearchResult] = []
-    for attempt in attempts(model, problem):
-        found = search(attempt, settings, progress)
-        if found.route is None:
-            reasons.append(found.reason)
-            continue
-        searched.append(found)
-        best = [(found.improvements[-1], long) for long in LONG_BLENDS]
-        if (driven := first_driven(model, problem, best, reasons)) is not None:
-            return found, *driven
-    for found in searched:
-        routes = [(each, 1.0) for each in found.improvements[::-1][:MOST_ROUTES]]
-        if (driven := first_driven(model, problem, routes, reasons)) is not None:
-            return found, *driven
-    raise NoAnswerError(reasons[0])
+    planned = attempts(model, problem)
+    allowance = Allowance(settings, len(planned), progress, elapsed or stopwatch())
+    driving = Driving(model, problem, settings.cost, allowance)
+    searches: list[Search] = []
+    for attempt in planned:
+        if searches and (driving.best is not None or allowance.is_used_up):
+            break
+        searches.append(Search(attempt, settings, allowance.elapsed))
+        allowance.let(searches[-1], SHARE)
+        driving.drive_one(
+            searches[-1], [(each, long) for each in searches[-1].improvements[-1:] for long in LONG_BLENDS]
+        )
+    for search in searches:
+        if driving.best is None and not allowance.is_used_up:
+            driving.drive_one(search, [(each, 1.0) for each in search.improvements[::-1][:MOST_ROUTES]])
+    while allowance.is_timed and not allowance.is_used_up and (hopeful := driving.worth_going_on(searches)):
+        for search in hopeful:
+            allowance.let(search, driving.share)
+            driving.drive_one(search, [(search.improvements[-1], long) for long in (*LONG_BLENDS, 1.0)])
+    if driving.best is None:
+        raise NoAnswerError(driving.reason(searches))
+    return driving.best
 
 
-def first_driven(
-    model: DriveModel, problem: Problem, candidates: Sequence[tuple[Improvement, float]], reasons: list[str]
-) -> tuple[list[DrivenLine], float] | None:
-    """The first of some routes, each with its blends over the least, that can be driven, and its cost.
+class Allowance:
+    """Time or iterations that the searches of a plan may take together.
 
-    Why others cannot is added to the reasons.
+    Attributes
+    ----------
+    is_timed
+        Whether the clock decides.
+    elapsed
+        Tells the seconds since the start.
     """
-    for improvement, longer in candidates:
+
+    def __init__(self, settings: Settings, searches: int, progress: Progress, elapsed: Callable[[], float]) -> None:
+        self.is_timed = settings.iterations is None
+        self.elapsed = elapsed
+        self._iterations, self._limit = settings.iterations, settings.time_limit
+        self._progress, self._done, self._total = progress, 0, searches * (settings.iterations or 0)
+
+    @property
+    def left(self) -> float:
+        """Of the time limit, infinite without one. [s]"""
+        return self._limit - self.elapsed() if self.is_timed else math.inf
+
+    @property
+    def is_used_up(self) -> bool:
+        """Whether the time limit is over."""
+        return self.left <= 0.0
+
+    def let(self, search: Search, share: float) -> None:
+        """Let a search go on for a share of the time that is left, or for all its iterations."""
+        until = self._limit - (1.0 - share) * self.left if self.is_timed else None
+        search.go_on(self._iterations, until, self._tell)
+
+    def _tell(self, iterations: int) -> None:
+        self._done += iterations
+        if self.is_timed:
+            self._progress(min(self.elapsed(), self._limit), self._limit)
+        else:
+            self._progress(self._done, self._total)
+
+
+class Driving:
+    """What has come of driving routes.
+
+    Attributes
+    ----------
+    best
+        The best plan so far, None without one.
+    """
+
+    def __init__(self, model: DriveModel, problem: Problem, cost: Cost, allowance: Allowance) -> None:
+        self.best: DrivenPlan | None = None
+        self._model, self._problem, self._cost, self._allowance = model, problem, cost, allowance
+        self._tried: set[tuple[Improvement, float]] = set()
+        self._reasons: list[str] = []
+        self._seconds = 0.0
+
+    def drive_one(self, search: Search, candidates: Sequence[tuple[Improvement, float]]) -> None:
+        """Drive the first of a search's routes, each with its blends over the least, that can be driven.
+
+        Once the time is used up, no further route is tried; one that was tried before is not tried again.
+        """
+        for improvement, longer in candidates:
+            if self.best is not None and self.best.improvement is improvement:
+                return
+            if improvement is not candidates[0][0] and self._allowance.is_used_up:
+                return
+            if (improvement, longer) not in self._tried and self._drive(search, improvement, longer):
+                return
+
+    def _drive(self, search: Search, improvement: Improvement, longer: float) -> bool:
+        """Whether a route can be driven; if it can, it may be the best."""
+        self._tried.add((improvement, longer))
+        begin = self._allowance.elapsed()
         try:
-            return drive_route(model, improvement.route, problem.start, problem.goal, longer), improvement.cost
+            lines = drive_route(self._model, improvement.route, self._problem.start, self._problem.goal, longer)
         except UndrivableError as error:
-            reasons.append(f"a way was found but cannot be driven: {error}")
-    return None
+            self._reasons.append(f"a way was found but cannot be driven: {error}")
+            return False
+        self._seconds = self._allowance.elapsed() - begin
+        rows = rows_of(self._model, lines)
+        cost = driven_cost(self._cost, rows, improvement.cost)
+        if self.best is None or cost < self.best.cost:
+            self.best = DrivenPlan(search, improvement, lines, rows, cost)
+        return True
+
+    def worth_going_on(self, searches: Sequence[Search]) -> list[Search]:
+        """The search of the best plan; without one, all that may find a route."""
+        return [search for search in searches if not search.reason] if self.best is None else [self.best.search]
+
+    @property
+    def share(self) -> float:
+        """Of the time that is left, what a search is to take next: with a plan all, but for stops to drive it."""
+        if self.best is None:
+            return SHARE
+        return 0.5 if self._allowance.left > STOPS * self._seconds else 1.0
+
+    def reason(self, searches: Sequence[Search]) -> str:
+        """Why there is no plan: of the search with the least extra room, where no route was found."""
+        found = self._reasons[0] if self._reasons else searches[-1].result().reason
+        return f"{found}; more time may help" if self.worth_going_on(searches) and self._allowance.is_used_up else found
+
+
+def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
+    """What a plan costs: the search knows neither blends nor stops."""
+    match cost:
+        case Cost.TIME:
+            return float(rows.time[-1])
+        case Cost.LENGTH:
+            return rows.length
+        case _:
+            return searched_cost
 
 
 def attempts(model: DriveModel, problem: Problem) -> list[Problem]:
