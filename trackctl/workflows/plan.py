@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +21,7 @@ from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost
 from trackctl.planning.planning_map import PlanningMap, collision_grid, grid_frame, overridden, slope_field
-from trackctl.planning.search import Problem, Settings, search
+from trackctl.planning.search import Problem, Settings
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.surface_line import is_plane
@@ -31,6 +31,7 @@ from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.plan_attempts import driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import drive_model, no_slip_twin, turned_round
+from trackctl.workflows.plan_kernels import load_plan_kernels
 from trackctl.workflows.plan_rows import Rows, rows_of
 from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
 from trackctl.workflows.plan_verification import Verification, verify
@@ -212,8 +213,7 @@ def plan(
         None if backward is None else searched(backward),
         request.clearance,
     )
-    # Kernels that are to be compiled are no part of the time that a search may take.
-    search(problem, replace(request.search, iterations=1))
+    load_plan_kernels(model, problem)
     begin = time.perf_counter()
     driven = driven_plan(model, problem, request.search, searching)
     planning = time.perf_counter() - begin
