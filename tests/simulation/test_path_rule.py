@@ -155,3 +155,24 @@ def test_up_slope_that_turns_with_the_path_makes_a_steady_turn():
     inner = slice(70, -70)
     assert commands.residual.max() <= 1e-10
     assert np.ptp(commands.sideslip[inner]) < 1e-6
+
+
+def test_tractions_balance_weight_resistance_and_acceleration():
+    """Up, down and along a slope with an acceleration: the sum is what the motion along the tangent takes."""
+    for uphill_yaw in (0.0, 1.0, math.pi):
+        ground = slope_scene(12, uphill_yaw=uphill_yaw)
+        s = np.linspace(0.0, 4.0, 161)
+        path = path_of_curvature(s, 0.0 * s, np.sqrt(0.25 + 2.0 * 0.3 * s), (0.0, 0.0, 0.0))
+        commands = path_commands(ground, path)
+        slope, resistance = math.radians(12), ASPHALT.motion_resistance_coefficient
+        taken = math.sin(slope) * math.cos(uphill_yaw) + 0.3 / ground.model.gravity
+        sideways = math.sin(slope) * math.sin(uphill_yaw)
+        # Along the body, which the sideslip turns against the tangent.
+        beta = commands.sideslip
+        total = taken * np.cos(beta) - sideways * np.sin(beta) + resistance * math.cos(slope)
+        inner = slice(5, -5)
+        assert (commands.traction_left + commands.traction_right)[inner] == pytest.approx(total[inner], abs=1e-8)
+
+
+def test_without_a_balance_there_are_no_tractions():
+    assert np.isnan(no_slip_commands(scene_of("small", 12), lap("small")).traction_left).all()

@@ -64,6 +64,24 @@ def test_a_weak_drive_slows_the_plan_down():
     assert rows.time[-1] > planned().rows.time[-1]
 
 
+def test_the_track_force_limits_acceleration():
+    """Straight on level ground both tracks push alike: 2 F = m (a + f_r g)."""
+    ahead = replace(PLANE, circles=(), slope=0.0, start=(1.5, 5.0, 0.0), goal=(8.0, 5.0, 0.0))
+    quick = replace(VEHICLE, max_acceleration=2.0, max_sprocket_acceleration=100.0)
+    weak = replace(quick, max_track_force=80.0)
+    resisted = TERRAIN.motion_resistance_coefficient * GRAVITY
+    allowed = 2.0 * weak.max_track_force / weak.mass
+
+    def acceleration(vehicle):
+        rows = planned(ahead, vehicle=vehicle).rows
+        return np.diff(rows.velocity) / np.diff(rows.time)
+
+    found = acceleration(weak)
+    assert acceleration(quick).max() > allowed
+    assert 0.9 * allowed - resisted < found.max() <= allowed - resisted
+    assert found.min() >= -allowed - resisted
+
+
 def test_curvature_keeps_to_the_least_radius_and_has_no_jumps():
     wide = replace(VEHICLE, min_turn_radius=2.0)
     rows = planned(vehicle=wide).rows

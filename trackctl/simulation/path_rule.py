@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,8 @@ class PathCommands:
         Of the tracks. [-]
     residual
         Largest residual of the balance, in weights and weights times contact length; 0 where none was solved. [-]
+    traction_left, traction_right
+        Forward force of the ground on the tracks, in weights; NaN where no balance was solved. [-]
     """
 
     path: Path
@@ -83,6 +86,23 @@ class PathCommands:
     yaw_rate: Array
     slip_left: Array
     slip_right: Array
+    residual: Array
+    traction_left: Array
+    traction_right: Array
+
+
+class Balance(NamedTuple):
+    """What was left and what it took where the balance was solved.
+
+    Attributes
+    ----------
+    traction
+        Forward force of the ground on left and right track, in weights, shape (n, 2). [-]
+    residual
+        The largest, in weights and weights times contact length, shape (n,). [-]
+    """
+
+    traction: Array
     residual: Array
 
 
@@ -114,7 +134,13 @@ class Ground:
 
 @kernel
 def solve_along(
-    model: TrackModel, motions: Array, rule: Rule, memory: NDArray[np.void], unknowns: Array, residual: Array
+    model: TrackModel,
+    motions: Array,
+    rule: Rule,
+    memory: NDArray[np.void],
+    unknowns: Array,
+    traction: Array,
+    residual: Array,
 ) -> None:
     """Solve the prescribed balance at each sample.
 
@@ -131,11 +157,12 @@ def solve_along(
     unknowns
         Left and right track speed over speed [-] and sideslip [rad], shape (n, 3): starts, replaced by the answers. A
         sample whose start is NaN starts where the one before has ended.
+    traction
+        Receives the forward force of the ground on left and right track, in weights, shape (n, 2).
     residual
         Receives the largest residual of each sample, shape (n,).
     """
     work = memory[0]
-    traction = np.empty(2)
     x = np.empty(3)
     for i in range(motions.shape[0]):
         m = motions[i]
@@ -146,7 +173,8 @@ def solve_along(
             work.residual[k] = math.inf
         damping = 0.0
         for _ in range(EVALUATIONS):
-            prescribed_balance(model, motion, rule, work.trial, work.trial_residual, work.trial_jacobian, traction)
+            # What solves is a trial that was taken, so that its tractions are those of the answer.
+            prescribed_balance(model, motion, rule, work.trial, work.trial_residual, work.trial_jacobian, traction[i])
             damping = lm.judge(x, damping, work)
             while not lm.propose(x, damping, LOWER, UPPER, work) and damping < lm.LARGEST_DAMPING:
                 damping = lm.more_damping(damping)
@@ -222,7 +250,7 @@ def path_commands(scene: Scene, path: Path, ground: Ground | None = None) -> Pat
     model = scene.model
     fine, inner = resampled(path, model.length)
     step = spacing(fine)
-    motions, unknowns, residual = steady_turns(scene, fine, ground)
+    motions, unknowns, balance = steady_turns(scene, fine, ground)
     motions[:, 0] -= 0.5 * np.gradient(fine.speed**2, step) / model.gravity
     gradient = fine.curvature
     for turn in range(PASSES + 1):
@@ -231,20 +259,20 @@ def path_commands(scene: Scene, path: Path, ground: Ground | None = None) -> Pat
             turning = fine.speed * along(fine.speed * gradient, step, model.length)
             motions[:, 3] = gradient
             motions[:, 4] = scene.gyration_square * turning / (model.gravity * model.length)
-        solve_along(model, motions, rules(), np.zeros(1, workspace(3)), unknowns, residual)
-    return commands_of(scene, fine, inner, unknowns.T, gradient, residual)
+        solve_along(model, motions, rules(), np.zeros(1, workspace(3)), unknowns, *balance)
+    return commands_of(scene, fine, inner, unknowns.T, gradient, balance)
 
 
 def naive_commands(scene: Scene, path: Path) -> PathCommands:
     """Commands of steady turns of the path's own curvature, as a table has them: on a slope they drift."""
     fine, inner = resampled(path, scene.model.length)
-    motions, unknowns, residual = steady_turns(scene, fine, None)
-    solve_along(scene.model, motions, rules(), np.zeros(1, workspace(3)), unknowns, residual)
-    return commands_of(scene, fine, inner, unknowns.T, fine.curvature, residual)
+    motions, unknowns, balance = steady_turns(scene, fine, None)
+    solve_along(scene.model, motions, rules(), np.zeros(1, workspace(3)), unknowns, *balance)
+    return commands_of(scene, fine, inner, unknowns.T, fine.curvature, balance)
 
 
-def steady_turns(scene: Scene, path: Path, ground: Ground | None) -> tuple[Array, Array, Array]:
-    """`PrescribedMotion` of steady turns of a path's curvature, and unknowns and residuals to be solved for."""
+def steady_turns(scene: Scene, path: Path, ground: Ground | None) -> tuple[Array, Array, Balance]:
+    """`PrescribedMotion` of steady turns of a path's curvature, and unknowns and balance to be solved for."""
     size = path.speed.size
     if ground is None:
         ground = Ground(path.arc_length[:1], np.array([scene.slope]), np.array([scene.uphill_yaw]))
@@ -257,7 +285,7 @@ def steady_turns(scene: Scene, path: Path, ground: Ground | None) -> tuple[Array
     motions[:, 3] = path.curvature
     unknowns = np.full((size, 3), np.nan)
     unknowns[0] = first_start(scene, path, float(slope[0]), float(uphill_yaw[0]))
-    return motions, unknowns, np.empty(size)
+    return motions, unknowns, Balance(np.empty((size, 2)), np.empty(size))
 
 
 def read_path_commands(scene: Scene, path: Path, read: Reading) -> PathCommands:
@@ -291,13 +319,13 @@ def no_slip_commands(scene: Scene, path: Path) -> PathCommands:
     return commands_of(scene, fine, inner, ratios, fine.curvature, unread(ratios))
 
 
-def unread(ratios: Array) -> Array:
-    """In place of residuals: 0 where there is an answer, else infinity."""
-    return np.where(np.isnan(ratios).any(axis=0), math.inf, 0.0)
+def unread(ratios: Array) -> Balance:
+    """In place of a balance: residuals of 0 where there is an answer, else infinity."""
+    return Balance(np.full((ratios.shape[1], 2), np.nan), np.where(np.isnan(ratios).any(axis=0), math.inf, 0.0))
 
 
 def commands_of(
-    scene: Scene, fine: Path, inner: slice, ratios: Array, gradient: Array, residual: Array
+    scene: Scene, fine: Path, inner: slice, ratios: Array, gradient: Array, balance: Balance
 ) -> PathCommands:
     """Commands along the inner part of a path, from track speed ratios and sideslip, shape (3, n)."""
     s, x, y, tangent, curvature, speed = (
@@ -317,5 +345,6 @@ def commands_of(
         gradient * speed,
         slip(left, bodies[0]),
         slip(right, bodies[1]),
-        residual[inner],
+        balance.residual[inner],
+        *balance.traction[inner].T,
     )

@@ -113,10 +113,11 @@ def read_ground(table: CsvTable, target: Target) -> PlannedGround | None:
 def target_commands(target: Target, speeds: TrackSpeeds) -> PathCommands:
     """A target and its track speeds in the form that feedback follows."""
     length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(target.x), np.diff(target.y)))))
-    nothing = np.zeros_like(length)
+    nothing, unknown = np.zeros_like(length), np.full_like(length, np.nan)
     yaw_rate = np.gradient(target.yaw, target.time)
     tangent = target.yaw + target.sideslip
     path = Path(length, target.x, target.y, tangent, nothing, target.speed)
+    slips_and_residual = nothing, nothing, nothing
     return PathCommands(
-        path, target.time, speeds.left, speeds.right, target.sideslip, yaw_rate, nothing, nothing, nothing
+        path, target.time, speeds.left, speeds.right, target.sideslip, yaw_rate, *slips_and_residual, unknown, unknown
     )

@@ -292,16 +292,19 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
 
 
 def excess_of(model: DriveModel, commands: PathCommands, allowed_slip: Array) -> Array:
-    """Sprocket rates, their changes and slips over what is allowed, the largest of each sample."""
+    """Sprocket rates, their changes, track forces and slips over what is allowed, the largest of each sample."""
     vehicle = model.vehicle
     rates = np.stack((commands.track_speed_left, commands.track_speed_right)) / vehicle.sprocket_radius
     change = np.abs(np.diff(rates, axis=1)) / np.diff(commands.time)
     change = np.maximum(np.pad(change, ((0, 0), (1, 0))), np.pad(change, ((0, 0), (0, 1))))
     slip = np.maximum(np.abs(commands.slip_left), np.abs(commands.slip_right))
+    force = np.maximum(np.abs(commands.traction_left), np.abs(commands.traction_right))
+    force *= vehicle.mass * model.ahead.model.gravity
     found = np.stack(
         (
             np.abs(rates).max(axis=0) / (SHARE * vehicle.max_sprocket_rate),
             change.max(axis=0) / (SHARE * vehicle.max_sprocket_acceleration),
+            force / (SHARE * (vehicle.max_track_force or math.inf)),
             slip / allowed_slip,
             np.where(commands.residual <= LARGEST_RESIDUAL, 0.0, UNSOLVED_EXCESS),
         )
