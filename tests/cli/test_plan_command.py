@@ -2,6 +2,7 @@ import csv
 import io
 import json
 import math
+import re
 from itertools import pairwise
 
 import pytest
@@ -9,7 +10,7 @@ import yaml
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
-from trackctl.workflows import plan_attempts
+from trackctl.workflows import plan_attempts, plan_jumps
 
 COLUMNS = [
     *("time_s", "x_m", "y_m", "yaw_rad", "velocity_mps", "curvature_1pm", "slope_rad", "heading_rad"),
@@ -23,6 +24,14 @@ obstacles:
 start: [1.5, 1.5, 0]
 goal: [8, 8, 90]
 slope_deg: 12
+"""
+#: A tight S of 60 deg with no room for ramps of curvature: it begins at the start and ends at the goal.
+NARROW = """\
+bounds_m: [0.4, 0.2, {right}, 2.73]
+resolution: 0.01
+start: [1.0, 0.8, 0]
+goal: [3.3044, 2.1304, 0]
+slope_deg: 0
 """
 QUICK = ("--iterations", 100)
 
@@ -162,3 +171,39 @@ def test_on_a_slope_more_room_is_looked_for_unless_told(run, monkeypatch):
     assert 0.0 < cut < 0.1
     assert most_room() == pytest.approx(share + cut, rel=0.1)
     assert most_room("--slope-deg", 0) < 0.1
+
+
+def test_where_no_blend_fits_the_jumps_are_followed_by_the_commands_of_the_twin(run, tmp_path):
+    (tmp_path / "narrow.yaml").write_text(NARROW.format(right=4.0))
+    result = run("plan", "narrow.yaml", *QUICK, "--verify", "--json", "-o", "plan.csv")
+    assert result.exit_code == 0, result.output
+    said = re.search(
+        r"jumps 2 times\..* leaves the plan by up to ([\d.]+) m and misses the goal by ([\d.]+) m", result.stderr
+    )
+    away, missed = map(float, said.groups())
+    # Jumps from left to straight and from there to right, of 1 / R each: blend^2 / (24 R).
+    assert away == pytest.approx(2.0 / 1.33 * 0.8**2 / 24.0, rel=0.05)
+    assert missed == pytest.approx(away, rel=0.05)
+    found, plan = json.loads(result.stdout), rows((tmp_path / "plan.csv").read_text())
+    assert 0.8 * away < found["max_deviation_m"] < away + 0.012 * found["length_m"]
+    assert [plan[-1][key] for key in ("x_m", "y_m", "yaw_rad")] == pytest.approx([3.3044, 2.1304, 0.0], abs=1e-6)
+    curvature = [row["curvature_1pm"] for row in plan]
+    assert max(abs(b - a) for a, b in pairwise(curvature)) == pytest.approx(max(curvature), rel=0.01)
+    assert max(curvature) > 0.7
+
+
+def test_the_twin_must_not_touch_either(run, tmp_path):
+    """The route ends 5 cm before a wall, which its twin comes nearer to by 3.5 cm: the checks keep two cells."""
+    (tmp_path / "narrow.yaml").write_text(NARROW.format(right=3.86))
+    result = run("plan", "narrow.yaml", *QUICK)
+    assert result.exit_code == 1
+    assert "leave no room for blends; nor without blends: it touches an obstacle" in result.stderr
+
+
+def test_a_twin_that_misses_the_goal_by_much_is_refused(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(plan_jumps, "MOST_MISSED", 0.03)
+    (tmp_path / "narrow.yaml").write_text(NARROW.format(right=4.0))
+    result = run("plan", "narrow.yaml", *QUICK, "-o", "plan.csv")
+    assert result.exit_code == 1
+    assert re.search(r"miss the goal by 0\.04\d* m, more than 0\.03 of a blend of 0\.80 m", result.stderr)
+    assert not (tmp_path / "plan.csv").exists()

@@ -3,7 +3,7 @@ import math
 import numpy as np
 import pytest
 
-from trackctl.planning.blending import Adjustment, Line, blended_route, goal_of, stretches_of
+from trackctl.planning.blending import JUMP, Adjustment, Line, blended_route, goal_of, jumping_route, stretches_of
 from trackctl.planning.pose import advanced
 from trackctl.planning.route import Route
 
@@ -137,3 +137,35 @@ def test_a_clothoid_is_that_of_fresnel():
     sine, cosine = fresnel(s)
     assert x == pytest.approx(cosine, abs=1e-12)
     assert y == pytest.approx(sine, abs=1e-12)
+
+
+def jumping(name):
+    curvature, length = (np.array(values) for values in ROUTES[name])
+    goal = ended(START, curvature, length)
+    route = Route(START, curvature, length, np.zeros_like(length))
+    return route, goal, jumping_route(route, START, goal, BLEND, SHARPEST, [0.0] * (len(stretches_of(route)) - 1))
+
+
+@pytest.mark.parametrize("name", ROUTES)
+def test_jumps_are_kept_where_nothing_is_blended(name):
+    route, goal, (lines, twins) = jumping(name)
+    assert goal_of(lines) == pytest.approx(goal, abs=1e-9)
+    assert [line.length for line in lines] == pytest.approx([line.length for line in twins], abs=1e-12)
+    assert sum(line.length for line in lines) == pytest.approx(np.abs(route.length).sum(), abs=JUMP)
+    for line, stretch in zip(lines, stretches_of(route), strict=True):
+        middles = np.cumsum(stretch.length) - 0.5 * stretch.length
+        assert line.curvature_at(middles) == pytest.approx(stretch.curvature, abs=1e-6)
+
+
+def test_a_twin_runs_beside_its_route_by_each_jump_s_share():
+    """A ramp in place of a jump moves what follows sideways by jump window^2 / 24, to the first order in the angle."""
+    left, right, window = 0.05, -0.05, 0.8
+    route = Route(START, np.array([left, right]), np.array([2.0, 2.0]), np.zeros(2))
+    goal = ended(START, route.curvature, route.length)
+    _, (twin,) = jumping_route(route, START, goal, window, SHARPEST, [])
+    x, y, direction = twin.end
+    across = START[2] + left * 2.0
+    aside = -math.sin(across) * (x - goal[0]) + math.cos(across) * (y - goal[1])
+    assert direction == pytest.approx(goal[2], abs=1e-9)
+    assert aside == pytest.approx((right - left) * window**2 / 24.0, rel=1e-3)
+    assert math.hypot(x - goal[0], y - goal[1]) == pytest.approx(abs(aside), rel=1e-3)

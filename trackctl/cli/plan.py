@@ -286,6 +286,8 @@ def report(result: PlanResult, quiet: bool) -> None:
         If its simulation fails or touches something.
     """
     rows = result.rows
+    for note in result.notes:
+        say(note, quiet)
     say(
         f"{rows.length:.2f} m in {rows.time[-1]:.2f} s, clearance {result.min_clearance:.3f} m; first way after "
         f"{result.first_solution:.3f} s, done after {result.planning:.2f} s",

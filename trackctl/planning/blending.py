@@ -10,7 +10,7 @@ among lengths and curvatures of the pieces, with the least change.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,6 +23,8 @@ Pose = tuple[float, float, float]
 
 #: Of the quadrature between two knots; turns of up to a circle are exact to rounding.
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
+#: Length of a ramp that stands for a jump. [m]
+JUMP = 1e-4
 #: Curvatures so close are one. [1/m]
 SAME_CURVATURE = 1e-9
 #: The goal is met to this. [m], [rad]
@@ -106,6 +108,10 @@ class Line:
         return np.interp(arc_length, self.knots, self.curvature)
 
 
+#: Makes a line of a stretch, from a start, with ramps of a length. [m]
+Shape = Callable[[Stretch, Pose, float], Line]
+
+
 def stretches_of(route: Route) -> list[Stretch]:
     """The stretches of a route without turns on the spot; pieces of one curvature that follow each other are one."""
     found: list[Stretch] = []
@@ -134,7 +140,19 @@ def blended(stretch: Stretch, start: Pose, blend: float) -> Line:
     return Line(stretch.backwards, start, knots, shares @ jumps)
 
 
-def chained(stretches: Sequence[Stretch], start: Pose, blend: float, kinks: Sequence[float]) -> list[Line]:
+def rounded(stretch: Stretch, start: Pose, window: float) -> Line:
+    """A stretch of the same length with its curvature averaged over a window [m], at its ends continued as there."""
+    length = float(stretch.length.sum())
+    joints = np.cumsum(stretch.length)[:-1]
+    begins = joints - 0.5 * window
+    knots = np.unique(np.clip(np.concatenate(([0.0, length], begins, begins + window)), 0.0, length))
+    shares = np.clip((knots[:, None] - begins) / window, 0.0, 1.0)
+    return Line(stretch.backwards, start, knots, stretch.curvature[0] + shares @ np.diff(stretch.curvature))
+
+
+def chained(
+    stretches: Sequence[Stretch], start: Pose, blend: float, kinks: Sequence[float], shaped: Shape = blended
+) -> list[Line]:
     """Blended stretches one after the other; the direction of travel turns round between them.
 
     Parameters
@@ -147,13 +165,15 @@ def chained(stretches: Sequence[Stretch], start: Pose, blend: float, kinks: Sequ
         [m]
     kinks
         Turn of the tangent before each stretch but the first. [rad]
+    shaped
+        What makes lines of stretches: `blended` or `rounded`.
     """
     lines: list[Line] = []
     x, y, tangent = start
     for stretch, kink in zip(stretches, (0.0, *kinks), strict=True):
         tangent += kink
         direction = tangent + math.pi if stretch.backwards else tangent
-        lines.append(blended(stretch, (x, y, direction), blend))
+        lines.append(shaped(stretch, (x, y, direction), blend))
         x, y, direction = lines[-1].end
         tangent = direction - math.pi if stretch.backwards else direction
     return lines
@@ -202,12 +222,37 @@ def blended_route(
     stretches = [divided(stretch, blend, MOST_PARTS if pieces < MOST_PARTS else 1) for stretch in stretches]
     kinks = [0.0] * (len(stretches) - 1) if kinks is None else kinks
     adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest)
-    unknowns = np.clip(adjustment.first, adjustment.lower, adjustment.upper)
+    found = met(adjustment)
+    return None if found is None else adjustment.lines(found)
+
+
+def jumping_route(
+    route: Route, start: Pose, goal: Pose, blend: float, sharpest: float, kinks: Sequence[float]
+) -> tuple[list[Line], list[Line]] | None:
+    """A route with its jumps of curvature, from start to goal, both exact, and its blended twin; see `blended_route`.
+
+    Returns
+    -------
+    tuple of list of Line
+        The jumps are ramps of `JUMP`. The twin, of the same arc lengths, has ramps of a blend about the middles of the
+        jumps, cut at the ends of stretches; it begins at the start and misses the goal. None as of `blended_route`.
+    """
+    stretches = stretches_of(route)
+    adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest, JUMP)
+    if (found := met(adjustment)) is None:
+        return None
+    twin = chained(adjustment.changed(found), start, blend, kinks, rounded)
+    return adjustment.lines(found), twin
+
+
+def met(adjustment: Adjustment) -> Array | None:
+    """Lengths and curvatures with which the goal is met; None without."""
+    unknowns: Array = np.clip(adjustment.first, adjustment.lower, adjustment.upper)
     for _ in range(NEWTON_STEPS):
         lines = adjustment.lines(unknowns)
         gap = adjustment.gap(lines)
         if np.abs(gap).max() <= MET:
-            return lines
+            return unknowns
         unknowns = adjustment.step(unknowns, gap, adjustment.slopes(unknowns, lines))
     return None
 
@@ -231,7 +276,8 @@ def end_slopes(stretch: Stretch, line: Line, blend: float) -> Array:
 
 
 class Adjustment:
-    """The search for lengths and curvatures of pieces that end at a goal; see `blended_route`.
+    """The search for lengths and curvatures of pieces that end at a goal; see `blended_route`, or `jumping_route`
+    where ramps are no longer than a jump.
 
     Attributes
     ----------
@@ -249,16 +295,19 @@ class Adjustment:
         goal: Pose,
         blend: float,
         sharpest: float,
+        jump: float | None = None,
     ) -> None:
+        self._shape = (blended, blend) if jump is None else (rounded, jump)
         self._stretches, self._kinks, self._start = stretches, kinks, start
-        self._goal, self._blend = np.array(goal), blend
+        self._goal = np.array(goal)
         self._cuts = np.cumsum([2 * stretch.length.size for stretch in stretches])[:-1]
         self.first = np.concatenate([part for each in stretches for part in (each.length, each.curvature)])
         is_length = np.concatenate([np.repeat([True, False], each.length.size) for each in stretches])
         self.lower, self.upper = np.where(is_length, 0.0, -sharpest), np.where(is_length, np.inf, sharpest)
         self._scale = np.where(is_length, blend, CURVATURE_SHARE * sharpest)
 
-    def _stretches_of(self, unknowns: Array) -> list[Stretch]:
+    def changed(self, unknowns: Array) -> list[Stretch]:
+        """The stretches with lengths and curvatures."""
         parts = [np.split(part, 2) for part in np.split(unknowns, self._cuts)]
         return [
             replace(stretch, length=length, curvature=curvature)
@@ -267,7 +316,8 @@ class Adjustment:
 
     def lines(self, unknowns: Array) -> list[Line]:
         """The lines of lengths and curvatures."""
-        return chained(self._stretches_of(unknowns), self._start, self._blend, self._kinks)
+        shaped, ramp = self._shape
+        return chained(self.changed(unknowns), self._start, ramp, self._kinks, shaped)
 
     def gap(self, lines: Sequence[Line]) -> Array:
         """What is missing to the goal, x, y [m] and tangent [rad], shape (3,)."""
@@ -276,11 +326,14 @@ class Adjustment:
         return missing
 
     def slopes(self, unknowns: Array, lines: Sequence[Line]) -> Array:
-        """Derivatives of the end of the lines by the unknowns, shape (3, n): what follows a stretch moves with it."""
+        """Derivatives of the end of the lines by the unknowns, shape (3, n): what follows a stretch moves with it.
+
+        Those of rounded stretches are off by a share as small as their ramps.
+        """
         x, y, _ = lines[-1].end
         found = []
-        for stretch, line in zip(self._stretches_of(unknowns), lines, strict=True):
-            slopes, (from_x, from_y, _) = end_slopes(stretch, line, self._blend), line.end
+        for stretch, line in zip(self.changed(unknowns), lines, strict=True):
+            slopes, (from_x, from_y, _) = end_slopes(stretch, line, self._shape[1]), line.end
             slopes[:2] += np.array([[from_y - y], [x - from_x]]) * slopes[2]
             found.append(slopes)
         return np.hstack(found)

@@ -190,7 +190,8 @@ def resampled(path: Path, length: float) -> tuple[Path, slice]:
     count = math.ceil(path.length / min(SPACING * length, LONGEST_STEP)) + 1
     step = path.length / (count - 1)
     added = math.ceil(EXTENSION * length / step)
-    s: Array = step * np.arange(-added, count + added, dtype=np.float64)
+    beyond = step * np.arange(1.0, added + 1.0)
+    s: Array = np.concatenate((-beyond[::-1], np.linspace(0.0, path.length, count), path.length + beyond))
     inside = np.clip(s, 0.0, path.length)
     curvature = np.interp(s, path.arc_length, path.curvature)
     x, y, tangent = (

@@ -107,7 +107,7 @@ class PlanResult:
     verification, no_slip
         Of the plan and of commands that would drive it without slip, where asked for.
     notes
-        What the user should know, as sentences.
+        What the user should know of the plan, as sentences; those of its map left aside.
     """
 
     rows: Rows
@@ -236,7 +236,7 @@ def plan(
         outline,
         verification,
         no_slip,
-        request.planning_map.notes,
+        driven.notes,
     )
 
 

@@ -21,6 +21,7 @@ from trackctl.workflows.plan_drive import (
     drive_route,
     slopes_at,
 )
+from trackctl.workflows.plan_jumps import drive_jumps, jumps_note
 from trackctl.workflows.plan_rows import Rows, rows_of
 
 Progress = Callable[[float, float], None]
@@ -69,6 +70,8 @@ class DrivenPlan:
         As it is driven.
     cost
         Duration [s] or length [m] as driven; of work [J] and slip [m] that of the route, blends and stops left aside.
+    notes
+        What the user should know, as sentences.
     """
 
     search: Search
@@ -76,6 +79,7 @@ class DrivenPlan:
     lines: list[DrivenLine]
     rows: Rows
     cost: float
+    notes: tuple[str, ...] = ()
 
 
 def driven_plan(
@@ -125,6 +129,9 @@ def driven_plan(
         for search in hopeful:
             allowance.let(search, driving.share)
             driving.drive_one(search, [(search.improvements[-1], long) for long in (*LONG_BLENDS, 1.0)])
+    for attempt, search in zip(planned, searches, strict=False):
+        if driving.best is None and (attempt.start, attempt.goal) == (problem.start, problem.goal):
+            driving.drive_with_jumps(search)
     if driving.best is None:
         raise NoAnswerError(driving.reason(searches))
     return driving.best
@@ -184,6 +191,7 @@ class Driving:
         self._model, self._problem, self._cost, self._allowance = model, problem, cost, allowance
         self._tried: set[tuple[Improvement, float]] = set()
         self._reasons: list[str] = []
+        self._without_blends: list[str] = []
         self._seconds = 0.0
 
     def drive_one(self, search: Search, candidates: Sequence[tuple[Improvement, float]]) -> None:
@@ -209,11 +217,30 @@ class Driving:
             self._reasons.append(f"a way was found but cannot be driven: {error}")
             return False
         self._seconds = self._allowance.elapsed() - begin
+        self._take(search, improvement, lines)
+        return True
+
+    def drive_with_jumps(self, search: Search) -> None:
+        """Drive the best route of a search from pose to pose that can be driven with its jumps of curvature."""
+        for improvement in search.improvements[::-1][:MOST_ROUTES]:
+            try:
+                lines = drive_jumps(self._model, improvement.route, self._problem.start, self._problem.goal)
+            except UndrivableError as error:
+                self._without_blends.append(f"nor without blends: {error}")
+            else:
+                self._take(search, improvement, lines, (jumps_note(improvement.route, lines),))
+                return
+            if self._allowance.is_used_up:
+                return
+
+    def _take(
+        self, search: Search, improvement: Improvement, lines: list[DrivenLine], notes: tuple[str, ...] = ()
+    ) -> None:
+        """Keep what can be driven if it is the best."""
         rows = rows_of(self._model, lines)
         cost = driven_cost(self._cost, rows, improvement.cost)
         if self.best is None or cost < self.best.cost:
-            self.best = DrivenPlan(search, improvement, lines, rows, cost)
-        return True
+            self.best = DrivenPlan(search, improvement, lines, rows, cost, notes)
 
     def worth_going_on(self, searches: Sequence[Search]) -> list[Search]:
         """The search of the best plan; without one, all that may find a route."""
@@ -229,6 +256,7 @@ class Driving:
     def reason(self, searches: Sequence[Search]) -> str:
         """Why there is no plan: of the search with the least extra room, where no route was found."""
         found = self._reasons[0] if self._reasons else searches[-1].result().reason
+        found = "; ".join((found, *self._without_blends[-1:]))
         return f"{found}; more time may help" if self.worth_going_on(searches) and self._allowance.is_used_up else found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -102,12 +102,15 @@ class DrivenLine:
         Arc lengths on the map of the samples of the commands. [m]
     commands
         In the direction of travel.
+    twin
+        What the commands drive where the line's curvature jumps, at the same arc lengths; None: the line.
     """
 
     line: Line
     surface: SurfaceLine
     place: Array
     commands: PathCommands
+    twin: DrivenLine | None = None
 
     def surface_at(self, name: str) -> Array:
         """A quantity of the surface line at the commands' samples."""
@@ -161,30 +164,54 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer
     UndrivableError
         If it cannot be blended, touches something, or asks for more than the vehicle can.
     """
+    blend = longer * least_blend(model, route)
+
+    def driven_between(start: Pose, goal: Pose, kinks: Sequence[float], first: bool) -> list[DrivenLine]:
+        lines = blended_route(route, start, goal, blend, model.sharpest, kinks)
+        if lines is None:
+            raise UndrivableError("its turns leave no room for blends")
+        if first:
+            check_roughly(model, lines)
+        driven = [drive_line(model, line) for line in lines]
+        check_clear(model, driven)
+        return driven
+
+    return settled(model, route, (start, goal), driven_between)
+
+
+def least_blend(model: DriveModel, route: Route) -> float:
+    """Over which the curvature of a route may change. [m]"""
     if np.any(route.pivot != 0.0):
         raise UndrivableError("it turns on the spot")
-    blend = longer * blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
+    return blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
+
+
+def settled(
+    model: DriveModel,
+    route: Route,
+    ends: tuple[Pose, Pose],
+    driven_between: Callable[[Pose, Pose, Sequence[float], bool], list[DrivenLine]],
+) -> list[DrivenLine]:
+    """Drive a route so that the body's poses at the ends are met with the sideslips that it is driven with.
+
+    `driven_between` drives it from x, y and tangent to such, with turns of the tangent at gear changes; at last it is
+    told whether that is for the first time.
+    """
     backwards = [bool(route.length[k] < 0.0) for k in (0, -1)]
     tangents = [
         straight_tangent(model.pace, model.pace.backward if back else model.pace.forward, *pose)
-        for pose, back in zip((start, goal), backwards, strict=True)
+        for pose, back in zip(ends, backwards, strict=True)
     ]
     changes = int(np.count_nonzero(np.diff(np.sign(route.length[route.length != 0.0]))))
     kinks = [0.0] * changes
     for turn in range(END_ROUNDS):
-        ends = [(*pose[:2], tangent) for pose, tangent in zip((start, goal), tangents, strict=True)]
-        lines = blended_route(route, ends[0], ends[1], blend, model.sharpest, kinks)
-        if lines is None:
-            raise UndrivableError("its turns leave no room for blends")
-        if turn == 0:
-            check_roughly(model, lines)
-        driven = [drive_line(model, line) for line in lines]
-        check_clear(model, driven)
+        first, last = ((*pose[:2], tangent) for pose, tangent in zip(ends, tangents, strict=True))
+        driven = driven_between(first, last, kinks, turn == 0)
         sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
-        settled = [tangent_of(model, pose, beta) for pose, beta in zip((start, goal), sideslips, strict=True)]
+        found = [tangent_of(model, pose, beta) for pose, beta in zip(ends, sideslips, strict=True)]
         kinks = [float(after.commands.sideslip[0] - before.commands.sideslip[-1]) for before, after in pairwise(driven)]
-        moved = max(abs(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(settled, tangents, strict=True))
-        tangents = settled
+        moved = max(abs(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(found, tangents, strict=True))
+        tangents = found
         if moved < SETTLED:
             break
     return driven
