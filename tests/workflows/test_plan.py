@@ -131,3 +131,10 @@ def test_a_slope_too_steep_is_named():
 def test_a_start_in_an_obstacle_is_named():
     with pytest.raises(NoAnswerError, match=r"start: the footprint touches cell .* circle 1"):
         planned(replace(PLANE, start=(5.0, 5.0, 0.0)))
+
+
+@pytest.mark.parametrize("slope", [0.0, 12.0])
+def test_the_heading_is_counted_from_up_slope_on_level_ground_too(slope):
+    rows = planned(replace(PLANE, slope=math.radians(slope), uphill_yaw=0.7, circles=())).rows
+    assert np.cos(rows.yaw - rows.heading) == pytest.approx(math.cos(0.7), abs=1e-9)
+    assert np.sin(rows.yaw - rows.heading) == pytest.approx(math.sin(0.7), abs=1e-9)

@@ -27,6 +27,8 @@ class SlopeField(NamedTuple):
         Of the nodes. [m]
     x, y
         Node (0, 0) in the world. [m]
+    level_uphill
+        What counts as the direction of up-slope where the ground is level. [rad]
     """
 
     gradient_x: Array
@@ -35,6 +37,7 @@ class SlopeField(NamedTuple):
     spacing_y: float
     x: float
     y: float
+    level_uphill: float = 0.0
 
 
 def plane_slope(slope: float, uphill_yaw: float) -> SlopeField:
@@ -50,7 +53,7 @@ def plane_slope(slope: float, uphill_yaw: float) -> SlopeField:
     steepness = math.tan(slope)
     gradient_x = np.array([[steepness * math.cos(uphill_yaw)]])
     gradient_y = np.array([[steepness * math.sin(uphill_yaw)]])
-    return SlopeField(gradient_x, gradient_y, 1.0, 1.0, 0.0, 0.0)
+    return SlopeField(gradient_x, gradient_y, 1.0, 1.0, 0.0, 0.0, uphill_yaw)
 
 
 @borrowing_kernel

@@ -55,6 +55,13 @@ def gradients_along(field: SlopeField, x: Array, y: Array) -> tuple[Array, Array
     return along_x, along_y
 
 
+def slope_and_uphill(field: SlopeField, gradient_x: Array, gradient_y: Array) -> tuple[Array, Array]:
+    """Angle of the slope and direction of up-slope on the map of gradients of the height. [rad]"""
+    steepness = np.hypot(gradient_x, gradient_y)
+    uphill = np.where(steepness == 0.0, field.level_uphill, np.arctan2(gradient_y, gradient_x))
+    return np.arctan(steepness), uphill
+
+
 def is_plane(field: SlopeField) -> bool:
     """Whether a slope is one everywhere; x and y then lie in its plane."""
     return field.gradient_x.size == 1
@@ -93,7 +100,8 @@ def surface_line(
     """
     x, y, direction = pose
     g_x, g_y = gradients_along(field, np.ascontiguousarray(x), np.ascontiguousarray(y))
-    slope, map_uphill = np.arctan(np.hypot(g_x, g_y)), np.unwrap(np.arctan2(g_y, g_x))
+    slope, map_uphill = slope_and_uphill(field, g_x, g_y)
+    map_uphill = np.unwrap(map_uphill)
     if is_plane(field):
         return SurfaceLine(arc_length, direction, curvature, slope, map_uphill, map_uphill)
     rise = g_x * np.cos(direction) + g_y * np.sin(direction)

@@ -20,7 +20,16 @@ from trackctl.planning.route import Route
 from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.speed_profile import fastest_speed
 from trackctl.planning.steering_limits import SteeringLimits
-from trackctl.planning.surface_line import SurfaceLine, gradients_along, on_ground, on_map, rates_along, surface_line
+from trackctl.planning.surface_line import (
+    SurfaceLine,
+    gradients_along,
+    is_plane,
+    on_ground,
+    on_map,
+    rates_along,
+    slope_and_uphill,
+    surface_line,
+)
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.path import Path
@@ -230,12 +239,10 @@ def steepest_along(model: DriveModel, route: Route) -> float:
 def tangent_of(model: DriveModel, pose: Pose, sideslip: float) -> float:
     """Tangent on the map of a body's pose with a sideslip. [rad]"""
     x, y, yaw = pose
-    g_x, g_y = gradients_along(model.field, np.array([x]), np.array([y]))
-    uphill = math.atan2(g_y[0], g_x[0])
-    if model.field.gradient_x.size == 1:
+    if is_plane(model.field):
         return yaw + sideslip
-    slope = np.arctan(np.hypot(g_x, g_y))
-    return uphill + float(on_map(on_ground(np.array([yaw - uphill]), slope) + sideslip, slope)[0])
+    slope, (uphill,) = slope_and_uphill(model.field, *gradients_along(model.field, np.array([x]), np.array([y])))
+    return float(uphill) + float(on_map(on_ground(np.array([yaw - uphill]), slope) + sideslip, slope)[0])
 
 
 def limits_along(
