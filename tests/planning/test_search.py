@@ -1,4 +1,5 @@
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -78,10 +79,23 @@ def test_an_empty_map_has_reeds_and_shepps_way_backwards_too():
 
 def test_turning_on_the_spot_costs_its_time():
     problem = level_problem(EMPTY, (5.0, 5.0, 0.0), (5.0, 12.0, 0.5 * math.pi), pivot_speed=2.0)
-    result = search(problem, Settings(iterations=200))
-    assert result.cost == pytest.approx(7.0 + 0.25 * math.pi, abs=1e-9)
+    result = search(problem, Settings(iterations=200, gear_change=0.1))
+    assert result.cost == pytest.approx(7.0 + 0.25 * math.pi + 0.1, abs=1e-9)
     assert np.abs(result.route.pivot).sum() == pytest.approx(0.5 * math.pi, abs=1e-9)
     assert pose_error(route_poses(result.route)[-1], problem.goal) < 1e-9
+
+
+def test_a_stop_costs_as_much_as_driving_for_its_time():
+    """Speed 2 m/s: under the length as cost, a stop of 3 s is worth 6 m."""
+    limits = level_limits(speed=2.0)
+    ends = (10.0, 10.0, 0.0), (6.0, 10.0, 0.0)
+    for cost, price, second in ((Cost.TIME, 0.2, 1.0), (Cost.LENGTH, 0.2, 2.0)):
+        problem = Problem(grid_of(EMPTY), plane(), RECTANGLE, *ends, limits, limits, pivot_speed=100.0)
+        result = search(problem, Settings(iterations=500, gear_change=price, cost=cost))
+        assert result.cost == pytest.approx(4.0 * (0.5 if cost is Cost.TIME else 1.0), abs=1e-9)  # straight back
+        turned = search(replace(problem, backward=None), Settings(iterations=500, gear_change=price, cost=cost))
+        turns = 2.0 * second * (price + 0.01 * math.pi)
+        assert turned.cost == pytest.approx(result.cost + turns, abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -9,7 +9,7 @@ import numpy as np
 from trackctl.compiled import borrowing_kernel
 from trackctl.planning import reeds_shepp
 from trackctl.planning.dubins import WORD_COUNT, WORDS, dubins_word, seen_from
-from trackctl.planning.pieces import Task, Way, way_cost, way_is_free
+from trackctl.planning.pieces import Task, Way, pivot_cost, way_cost, way_is_free
 from trackctl.planning.pose import wrapped
 
 #: Words tried at most, in the order of their lengths.
@@ -66,12 +66,12 @@ def _estimate(task: Task, gear: int, way: Way, count: int) -> float:
     if count == 0:
         return np.inf
     length, cusps = reeds_shepp.length_and_cusps(way, count)
-    turned = 0.0
+    turning = 0.0
     for i in range(count):
-        turned += abs(way.pivot[i])
+        if way.pivot[i] != 0.0:
+            turning += pivot_cost(task, way.pivot[i])
     changes = cusps + (1 if gear * way.length[0] < 0.0 else 0)
-    estimate = length * task.least_rate + (changes * task.gear_change if changes else 0.0)
-    return float(estimate + (turned * task.pivot_rate if turned > 0.0 else 0.0))
+    return float(length * task.least_rate + (changes * task.gear_change if changes else 0.0) + turning)
 
 
 @borrowing_kernel

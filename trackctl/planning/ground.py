@@ -89,9 +89,7 @@ def motion_of(limits: SteeringLimits, cost: Cost) -> Motion:
         What counts: 1/speed [s/m], 1, work [J/m] or slip [-].
     """
     feasible = limits.speed > 0.0
-    rate = np.where(feasible, _rates(limits, cost), np.inf)
-    if cost in (Cost.ENERGY, Cost.SLIP) and feasible.any():
-        rate += LENGTH_SHARE * max(float(rate[feasible].mean()), 1e-9)
+    rate = _feasible_rates(limits, cost)
     sideslip = np.where(feasible, limits.sideslip, 0.0)
     return Motion(
         slope=np.array(limits.slope, dtype=np.float64),
@@ -101,6 +99,23 @@ def motion_of(limits: SteeringLimits, cost: Cost) -> Motion:
         least_rate=float(rate.min()),
         turning=_steepest(sideslip, feasible),
     )
+
+
+def cost_of_a_second(limits: SteeringLimits, cost: Cost) -> float:
+    """What driving for a second costs, the mean over all turns that are feasible; 1 where there is none."""
+    feasible = limits.speed > 0.0
+    if cost is Cost.TIME or not feasible.any():
+        return 1.0
+    return float((_feasible_rates(limits, cost) * limits.speed)[feasible].mean())
+
+
+def _feasible_rates(limits: SteeringLimits, cost: Cost) -> Array:
+    """Cost of a metre, infinite where the vehicle cannot drive."""
+    feasible = limits.speed > 0.0
+    rate = np.where(feasible, _rates(limits, cost), np.inf)
+    if cost in (Cost.ENERGY, Cost.SLIP) and feasible.any():
+        rate += LENGTH_SHARE * max(float(rate[feasible].mean()), 1e-9)
+    return rate
 
 
 def _rates(limits: SteeringLimits, cost: Cost) -> Array:

@@ -66,7 +66,8 @@ class Task(NamedTuple):
     gear_change
         Cost of changing between forwards and backwards.
     pivot_rate
-        Cost of turning on the spot by a radian; infinite where it cannot. [1/rad]
+        Cost of turning on the spot by a radian, besides that of a gear change for the stop; infinite where it cannot.
+        [1/rad]
     can_reverse
         Whether there is a reverse gear.
     inner_radius
@@ -180,6 +181,12 @@ def free_length(task: Task, x: float, y: float, tangent: float, curvature: float
 
 
 @borrowing_kernel
+def pivot_cost(task: Task, angle: float) -> float:
+    """Cost of turning on the spot by an angle, which needs a stop as a change of gear does."""
+    return task.gear_change + task.pivot_rate * abs(angle)
+
+
+@borrowing_kernel
 def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> bool:
     """Whether the body can turn on the spot by an angle without touching."""
     obstacles = task.obstacles
@@ -204,7 +211,7 @@ def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way
             gear = gear_of(length, gear)
             total += drive_cost(task, x, y, tangent, way.curvature[i], length)
         elif way.pivot[i] != 0.0:
-            total += task.pivot_rate * abs(way.pivot[i])
+            total += pivot_cost(task, way.pivot[i])
         if not total < bound:
             return np.inf
         x, y, tangent = advanced(x, y, tangent, way.curvature[i], length)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import borrowing_kernel
 from trackctl.planning.connection import connect
-from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way
+from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way, pivot_cost
 from trackctl.planning.pose import advanced
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
 
@@ -100,7 +100,7 @@ def _piece_cost(task: Task, path: Path, i: int) -> float:
     """Cost of a piece, with that of a gear change before it."""
     length = path.pieces.length[i]
     if length == 0.0:
-        return task.pivot_rate * abs(path.pieces.pivot[i]) if path.pieces.pivot[i] != 0.0 else 0.0
+        return pivot_cost(task, path.pieces.pivot[i]) if path.pieces.pivot[i] != 0.0 else 0.0
     change = task.gear_change if path.gear[i] * length < 0.0 else 0.0
     return change + drive_cost(task, path.x[i], path.y[i], path.tangent[i], path.pieces.curvature[i], length)
 

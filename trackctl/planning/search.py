@@ -20,7 +20,7 @@ from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touche
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.connection import ALL_WORDS
 from trackctl.planning.footprint import footprint_of
-from trackctl.planning.ground import Cost, Ground, ground_of, rate_at, straight_tangent
+from trackctl.planning.ground import Cost, Ground, cost_of_a_second, ground_of, rate_at, straight_tangent
 from trackctl.planning.pieces import Task
 from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
@@ -83,7 +83,7 @@ class Settings:
     cost
         What to minimise.
     gear_change
-        Its price as the time it takes; under other costs as much as `gear_change` times their mean rate. [s]
+        The time it takes, which under other costs is worth what as much time of driving costs on average. [s]
     """
 
     seed: int = 0
@@ -276,13 +276,14 @@ def task_of(problem: Problem, settings: Settings) -> Task:
     sharpest = float(np.abs(problem.forward.curvature[(problem.forward.speed > 0.0).any(axis=(0, 2))]).max(initial=0.0))
     radii = np.array(RADII) / max(sharpest, 1e-6)
     can_pivot = ground.is_level and problem.pivot_speed > 0.0
-    pivot_rate = 1.0 / problem.pivot_speed if can_pivot else math.inf
+    second = cost_of_a_second(problem.forward, settings.cost)
+    pivot_rate = second / problem.pivot_speed if can_pivot else math.inf
     inner = centred_disc(obstacles.footprint)
     return Task(
         obstacles=obstacles,
         ground=ground,
         radii=radii,
-        gear_change=settings.gear_change,
+        gear_change=settings.gear_change * second,
         pivot_rate=pivot_rate,
         can_reverse=problem.backward is not None,
         inner_radius=inner,
