@@ -4,7 +4,7 @@ The curvature of a route is averaged over a moving window of the blend's length:
 length, turns keep their angles, and pieces shorter than the window are rounded off. The curvature is 0 at both ends of
 a stretch, which is longer than its pieces by one blend, half of it at either end: a route is best searched between
 poses half a blend ahead of the start and short of the goal. What then is missing to the goal, little, is shared out
-among lengths and curvatures of the pieces, with the least change.
+among lengths and curvatures of the pieces, and turns on the spot where there are some, with the least change.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ MET = 1e-11
 NEWTON_STEPS = 30
 #: Largest change of a step, over the scales of the unknowns.
 LARGEST_CHANGE = 1.0
-#: Scale of a change of curvature, over the sharpest allowed; that of lengths is a blend.
-CURVATURE_SHARE = 0.1
+#: Scale of a change of curvature, over the sharpest allowed, and of a turn on the spot [rad]; that of lengths is a
+#: blend.
+CURVATURE_SHARE, TURN_SCALE = 0.1, 0.1
 #: Pieces longer than so many blends are cut, into parts up to so many.
 LONG, MOST_PARTS = 4.0, 3
 
@@ -112,23 +113,52 @@ class Line:
 Shape = Callable[[Stretch, Pose, float], Line]
 
 
-def stretches_of(route: Route) -> list[Stretch]:
-    """The stretches of a route without turns on the spot; pieces of one curvature that follow each other are one."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Blended:
+    """What a route is blended into.
+
+    Attributes
+    ----------
+    lines
+        One after the other, with a stop between them.
+    turns
+        On the spot: before each line and after the last, shape (n + 1,); 0 for none. [rad]
+    """
+
+    lines: tuple[Line, ...]
+    turns: Array
+
+    @property
+    def goal(self) -> Array:
+        """x, y [m] and tangent [rad] at the end; of one line at least."""
+        x, y, direction = self.lines[-1].end
+        return np.array([x, y, (direction - math.pi if self.lines[-1].backwards else direction) + self.turns[-1]])
+
+
+def stretches_of(route: Route) -> tuple[list[Stretch], Array]:
+    """The stretches of a route, and the turns on the spot before each and after the last. [rad]
+
+    Pieces of one curvature that follow each other are one.
+    """
     found: list[Stretch] = []
-    for curvature, length in zip(route.curvature.tolist(), route.length.tolist(), strict=True):
+    turns = [0.0]
+    pieces = (part.tolist() for part in (route.curvature, route.length, route.pivot))
+    for curvature, length, turn in zip(*pieces, strict=True):
+        turns[-1] += turn
         if length == 0.0:
             continue
         backwards = length < 0.0
         curvature = -curvature if backwards else curvature
-        if not found or found[-1].backwards is not backwards:
+        if not found or found[-1].backwards is not backwards or turns[-1] != 0.0:
             found.append(Stretch(backwards, np.array([curvature]), np.array([abs(length)])))
+            turns.append(0.0)
             continue
         last = found[-1]
         if abs(curvature - last.curvature[-1]) < SAME_CURVATURE:
             last.length[-1] += abs(length)
         else:
             found[-1] = Stretch(backwards, np.append(last.curvature, curvature), np.append(last.length, abs(length)))
-    return found
+    return found, np.array(turns)
 
 
 def blended(stretch: Stretch, start: Pose, blend: float) -> Line:
@@ -150,10 +180,8 @@ def rounded(stretch: Stretch, start: Pose, window: float) -> Line:
     return Line(stretch.backwards, start, knots, stretch.curvature[0] + shares @ np.diff(stretch.curvature))
 
 
-def chained(
-    stretches: Sequence[Stretch], start: Pose, blend: float, kinks: Sequence[float], shaped: Shape = blended
-) -> list[Line]:
-    """Blended stretches one after the other; the direction of travel turns round between them.
+def chained(stretches: Sequence[Stretch], start: Pose, ramp: float, kinks: Array, shape: Shape) -> list[Line]:
+    """Shaped stretches one after the other; the direction of travel turns round where the gear changes.
 
     Parameters
     ----------
@@ -161,11 +189,11 @@ def chained(
         At least one.
     start
         x, y [m] and tangent, which is the direction of travel forwards and its reverse backwards. [rad]
-    blend
-        [m]
+    ramp
+        Length of a ramp of curvature. [m]
     kinks
-        Turn of the tangent before each stretch but the first. [rad]
-    shaped
+        Turn of the tangent before each stretch but the first, shape (n - 1,). [rad]
+    shape
         What makes lines of stretches: `blended` or `rounded`.
     """
     lines: list[Line] = []
@@ -173,16 +201,10 @@ def chained(
     for stretch, kink in zip(stretches, (0.0, *kinks), strict=True):
         tangent += kink
         direction = tangent + math.pi if stretch.backwards else tangent
-        lines.append(shaped(stretch, (x, y, direction), blend))
+        lines.append(shape(stretch, (x, y, direction), ramp))
         x, y, direction = lines[-1].end
         tangent = direction - math.pi if stretch.backwards else direction
     return lines
-
-
-def goal_of(lines: Sequence[Line]) -> Array:
-    """x, y [m] and tangent [rad] at the end of lines that follow each other."""
-    x, y, direction = lines[-1].end
-    return np.array([x, y, direction - math.pi if lines[-1].backwards else direction])
 
 
 def divided(stretch: Stretch, blend: float, least: int) -> Stretch:
@@ -195,13 +217,13 @@ def divided(stretch: Stretch, blend: float, least: int) -> Stretch:
 
 def blended_route(
     route: Route, start: Pose, goal: Pose, blend: float, sharpest: float, kinks: Sequence[float] | None = None
-) -> list[Line] | None:
+) -> Blended | None:
     """Lines of continuous curvature along a route from start to goal, both exact.
 
     Parameters
     ----------
     route
-        Without turns on the spot; best from half a blend ahead of the start to half a blend short of the goal.
+        Best from half a blend ahead of the start to half a blend short of the goal.
     start, goal
         x, y [m] and tangent. [rad]
     blend
@@ -209,51 +231,52 @@ def blended_route(
     sharpest
         Largest curvature either way. [1/m]
     kinks
-        Turn of the tangent where the direction of travel changes, as the body keeps its yaw and its sideslip changes;
-        None for none. [rad]
+        Turn of the tangent between two lines, besides one on the spot, as the body keeps its yaw and its sideslip
+        changes; None for none. [rad]
 
     Returns
     -------
-    list of Line
+    Blended
         None where lengths that are not negative and curvatures up to the sharpest do not reach the goal.
     """
-    stretches = stretches_of(route)
+    stretches, turns = stretches_of(route)
+    if not stretches:
+        return Blended((), turns) if math.dist(start[:2], goal[:2]) <= MET else None
     pieces = sum(stretch.length.size for stretch in stretches)
     stretches = [divided(stretch, blend, MOST_PARTS if pieces < MOST_PARTS else 1) for stretch in stretches]
-    kinks = [0.0] * (len(stretches) - 1) if kinks is None else kinks
-    adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest)
+    adjustment = Adjustment(stretches, turns, kinks, start, goal, blend, sharpest)
     found = met(adjustment)
-    return None if found is None else adjustment.lines(found)
+    return None if found is None else adjustment.blended(found)
 
 
 def jumping_route(
-    route: Route, start: Pose, goal: Pose, blend: float, sharpest: float, kinks: Sequence[float]
-) -> tuple[list[Line], list[Line]] | None:
+    route: Route, start: Pose, goal: Pose, blend: float, sharpest: float, kinks: Sequence[float] | None = None
+) -> tuple[Blended, Blended] | None:
     """A route with its jumps of curvature, from start to goal, both exact, and its blended twin; see `blended_route`.
 
     Returns
     -------
-    tuple of list of Line
+    tuple of Blended
         The jumps are ramps of `JUMP`. The twin, of the same arc lengths, has ramps of a blend about the middles of the
         jumps, cut at the ends of stretches; it begins at the start and misses the goal. None as of `blended_route`.
     """
-    stretches = stretches_of(route)
-    adjustment = Adjustment(stretches, kinks, start, goal, blend, sharpest, JUMP)
-    if (found := met(adjustment)) is None:
+    stretches, turns = stretches_of(route)
+    if not stretches:
         return None
-    twin = chained(adjustment.changed(found), start, blend, kinks, rounded)
-    return adjustment.lines(found), twin
+    adjustment = Adjustment(stretches, turns, kinks, start, goal, blend, sharpest, JUMP)
+    found = met(adjustment)
+    return None if found is None else (adjustment.blended(found), adjustment.shaped(found, rounded, blend))
 
 
 def met(adjustment: Adjustment) -> Array | None:
-    """Lengths and curvatures with which the goal is met; None without."""
+    """The unknowns with which the goal is met; None without."""
     unknowns: Array = np.clip(adjustment.first, adjustment.lower, adjustment.upper)
     for _ in range(NEWTON_STEPS):
-        lines = adjustment.lines(unknowns)
-        gap = adjustment.gap(lines)
+        found = adjustment.blended(unknowns)
+        gap = adjustment.gap(found)
         if np.abs(gap).max() <= MET:
             return unknowns
-        unknowns = adjustment.step(unknowns, gap, adjustment.slopes(unknowns, lines))
+        unknowns = adjustment.step(unknowns, gap, adjustment.slopes(unknowns, found))
     return None
 
 
@@ -282,7 +305,7 @@ class Adjustment:
     Attributes
     ----------
     first
-        Lengths and curvatures at first, stretch by stretch, shape (n,). [m], [1/m]
+        Lengths and curvatures at first, stretch by stretch, and turns on the spot, shape (n,). [m], [1/m], [rad]
     lower, upper
         Their bounds.
     """
@@ -290,7 +313,8 @@ class Adjustment:
     def __init__(
         self,
         stretches: Sequence[Stretch],
-        kinks: Sequence[float],
+        turns: Array,
+        kinks: Sequence[float] | None,
         start: Pose,
         goal: Pose,
         blend: float,
@@ -298,45 +322,61 @@ class Adjustment:
         jump: float | None = None,
     ) -> None:
         self._shape = (blended, blend) if jump is None else (rounded, jump)
-        self._stretches, self._kinks, self._start = stretches, kinks, start
-        self._goal = np.array(goal)
-        self._cuts = np.cumsum([2 * stretch.length.size for stretch in stretches])[:-1]
-        self.first = np.concatenate([part for each in stretches for part in (each.length, each.curvature)])
+        self._stretches, self._start, self._goal = stretches, start, np.array(goal)
+        self._kinks = np.zeros(len(stretches) - 1) if kinks is None else np.array(kinks)
+        self._turning = turns != 0.0
+        self._cuts = np.cumsum([2 * stretch.length.size for stretch in stretches])
+        parts = [part for each in stretches for part in (each.length, each.curvature)]
+        self.first = np.concatenate((*parts, turns[self._turning]))
         is_length = np.concatenate([np.repeat([True, False], each.length.size) for each in stretches])
-        self.lower, self.upper = np.where(is_length, 0.0, -sharpest), np.where(is_length, np.inf, sharpest)
-        self._scale = np.where(is_length, blend, CURVATURE_SHARE * sharpest)
+        free = np.full(np.count_nonzero(self._turning), np.inf)
+        self.lower = np.concatenate((np.where(is_length, 0.0, -sharpest), -free))
+        self.upper = np.concatenate((np.where(is_length, np.inf, sharpest), free))
+        scale = np.where(is_length, blend, CURVATURE_SHARE * sharpest)
+        self._scale = np.concatenate((scale, np.full_like(free, TURN_SCALE)))
 
-    def changed(self, unknowns: Array) -> list[Stretch]:
-        """The stretches with lengths and curvatures."""
-        parts = [np.split(part, 2) for part in np.split(unknowns, self._cuts)]
-        return [
+    def _changed(self, unknowns: Array) -> tuple[list[Stretch], Array]:
+        """The stretches, and the turns before each and after the last. [rad]"""
+        *parts, angles = np.split(unknowns, self._cuts)
+        turns = np.zeros(self._turning.size)
+        turns[self._turning] = angles
+        pairs = [np.split(part, 2) for part in parts]
+        stretches = [
             replace(stretch, length=length, curvature=curvature)
-            for stretch, (length, curvature) in zip(self._stretches, parts, strict=True)
+            for stretch, (length, curvature) in zip(self._stretches, pairs, strict=True)
         ]
+        return stretches, turns
 
-    def lines(self, unknowns: Array) -> list[Line]:
-        """The lines of lengths and curvatures."""
-        shaped, ramp = self._shape
-        return chained(self.changed(unknowns), self._start, ramp, self._kinks, shaped)
+    def shaped(self, unknowns: Array, shape: Shape, ramp: float) -> Blended:
+        """Lines of some shape with ramps of some length [m], and turns."""
+        stretches, turns = self._changed(unknowns)
+        start = (*self._start[:2], self._start[2] + turns[0])
+        return Blended(tuple(chained(stretches, start, ramp, self._kinks + turns[1:-1], shape)), turns)
 
-    def gap(self, lines: Sequence[Line]) -> Array:
+    def blended(self, unknowns: Array) -> Blended:
+        """What is to meet the goal."""
+        return self.shaped(unknowns, *self._shape)
+
+    def gap(self, found: Blended) -> Array:
         """What is missing to the goal, x, y [m] and tangent [rad], shape (3,)."""
-        missing = self._goal - goal_of(lines)
+        missing = self._goal - found.goal
         missing[2] = math.remainder(missing[2], 2.0 * math.pi)
         return missing
 
-    def slopes(self, unknowns: Array, lines: Sequence[Line]) -> Array:
-        """Derivatives of the end of the lines by the unknowns, shape (3, n): what follows a stretch moves with it.
+    def slopes(self, unknowns: Array, blended: Blended) -> Array:
+        """Derivatives of the end by the unknowns, shape (3, n): what follows a stretch or a turn moves with it.
 
         Those of rounded stretches are off by a share as small as their ramps.
         """
-        x, y, _ = lines[-1].end
+        x, y, _ = blended.lines[-1].end
         found = []
-        for stretch, line in zip(self.changed(unknowns), lines, strict=True):
+        for stretch, line in zip(self._changed(unknowns)[0], blended.lines, strict=True):
             slopes, (from_x, from_y, _) = end_slopes(stretch, line, self._shape[1]), line.end
             slopes[:2] += np.array([[from_y - y], [x - from_x]]) * slopes[2]
             found.append(slopes)
-        return np.hstack(found)
+        at = np.array([*(line.start[:2] for line in blended.lines), (x, y)])[self._turning]
+        turned = np.stack((at[:, 1] - y, x - at[:, 0], np.ones(len(at))))
+        return np.hstack((*found, turned))
 
     def step(self, unknowns: Array, gap: Array, slopes: Array) -> Array:
         """Unknowns a Newton step of least scaled length ahead; those that it would take out of bounds end there."""

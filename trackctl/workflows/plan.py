@@ -138,6 +138,11 @@ def sharpest_curvature(vehicle: VehicleProfile) -> float:
     return 1.0 / (vehicle.min_turn_radius or LEAST_RADIUS * vehicle.contact_length)
 
 
+def most_speed(request: PlanRequest) -> float:
+    """Upper bound of the speed. [m/s]"""
+    return min(request.most_speed or math.inf, request.vehicle.max_speed)
+
+
 def steering(
     request: PlanRequest, field: SlopeField, progress: Callable[[int, int], None]
 ) -> tuple[SteeringLimits, SteeringLimits | None]:
@@ -146,8 +151,7 @@ def steering(
     A vehicle whose mass centre is over the contact centre is the same turned round; any other needs a table of its own
     to drive backwards.
     """
-    vehicle, sharpest = request.vehicle, sharpest_curvature(request.vehicle)
-    most = min(request.most_speed or math.inf, vehicle.max_speed)
+    vehicle, sharpest, most = request.vehicle, sharpest_curvature(request.vehicle), most_speed(request)
     low, high = slope_range(field)
 
     def own(carrier: VehicleProfile) -> Table:
@@ -202,7 +206,9 @@ def plan(
     forward, backward = steering(request, ground, compiling)
     if not is_feasible_somewhere(forward):
         raise NoAnswerError(infeasible_ground(request, ground))
-    model = drive_model(request.vehicle, request.terrain, request.gravity, ground, roomy, (forward, backward))
+    model = drive_model(
+        request.vehicle, request.terrain, request.gravity, ground, roomy, (forward, backward), most_speed(request)
+    )
     problem = Problem(
         grid,
         ground,

@@ -15,7 +15,7 @@ from trackctl.planning.slope_field import SlopeField
 from trackctl.workflows.plan_drive import (
     LONG_BLENDS,
     DriveModel,
-    DrivenLine,
+    Driven,
     UndrivableError,
     blend_length,
     drive_route,
@@ -76,7 +76,7 @@ class DrivenPlan:
 
     search: Search
     improvement: Improvement
-    lines: list[DrivenLine]
+    lines: list[Driven]
     rows: Rows
     cost: float
     notes: tuple[str, ...] = ()
@@ -233,9 +233,7 @@ class Driving:
             if self._allowance.is_used_up:
                 return
 
-    def _take(
-        self, search: Search, improvement: Improvement, lines: list[DrivenLine], notes: tuple[str, ...] = ()
-    ) -> None:
+    def _take(self, search: Search, improvement: Improvement, lines: list[Driven], notes: tuple[str, ...] = ()) -> None:
         """Keep what can be driven if it is the best."""
         rows = rows_of(self._model, lines)
         cost = driven_cost(self._cost, rows, improvement.cost)

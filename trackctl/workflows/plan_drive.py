@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,9 @@ from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import Ground as PathGround
 from trackctl.simulation.path_rule import PathCommands, no_slip_ratios, path_commands
+from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_turn
 from trackctl.simulation.vehicle_rates import Scene, scene
+from trackctl.workflows.plan_turn import DrivenTurn
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
@@ -84,6 +86,8 @@ class DriveModel:
         Speeds and slips of steady turns as the search's kernels read them.
     sharpest
         Largest curvature. [1/m]
+    spot
+        How it turns on the spot; None: it cannot.
     """
 
     vehicle: VehicleProfile
@@ -95,6 +99,7 @@ class DriveModel:
     pace: Ground
     slips: Ground
     sharpest: float
+    spot: SpotDrive | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,6 +132,12 @@ class DrivenLine:
         return np.interp(self.commands.path.arc_length, self.surface.arc_length, values)
 
 
+Driven = DrivenLine | DrivenTurn
+#: Drives between two ends, each x, y [m] and tangent [rad], with turns of the tangent where the gear changes; told
+#: whether for the first time. The lines, and the turns on the spot before each and after the last. [rad]
+DriveBetween = Callable[[Pose, Pose, Sequence[float] | None, bool], tuple[list[DrivenLine], Array]]
+
+
 class UndrivableError(Exception):
     """A route cannot be driven; says why."""
 
@@ -144,11 +155,14 @@ def drive_model(
     field: SlopeField,
     obstacles: Obstacles,
     limits: tuple[SteeringLimits, SteeringLimits | None],
+    most_speed: float,
 ) -> DriveModel:
-    """The model of profiles, gravity [m/s2], slopes, obstacles and limits of both gears."""
+    """The model of profiles, gravity [m/s2], slopes, obstacles, limits of both gears and a bound of speed. [m/s]"""
     ahead, behind = (scene(each, terrain, gravity, 0.0, 0.0) for each in (vehicle, turned_round(vehicle)))
     pace, slips = (ground_of(field, *limits, cost) for cost in (Cost.TIME, Cost.SLIP))
-    return DriveModel(vehicle, terrain, field, obstacles, ahead, behind, pace, slips, float(limits[0].curvature[-1]))
+    sharpest = float(limits[0].curvature[-1])
+    spot = spot_drive(ahead, vehicle, most_speed) if pace.is_level else None
+    return DriveModel(vehicle, terrain, field, obstacles, ahead, behind, pace, slips, sharpest, spot)
 
 
 def blend_length(model: DriveModel, slope: float, sharpest: float) -> float:
@@ -165,7 +179,7 @@ def slopes_at(model: DriveModel, x: Array, y: Array) -> Array:
     return np.asarray(np.arctan(np.nan_to_num(np.hypot(g_x, g_y))))
 
 
-def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer: float) -> list[DrivenLine]:
+def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer: float) -> list[Driven]:
     """Drive a route from pose to pose, x, y [m] and yaw [rad], both met exactly; its blends so many times the least.
 
     Raises
@@ -175,23 +189,23 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer
     """
     blend = longer * least_blend(model, route)
 
-    def driven_between(start: Pose, goal: Pose, kinks: Sequence[float], first: bool) -> list[DrivenLine]:
-        lines = blended_route(route, start, goal, blend, model.sharpest, kinks)
-        if lines is None:
+    def driven_between(
+        start: Pose, goal: Pose, kinks: Sequence[float] | None, first: bool
+    ) -> tuple[list[DrivenLine], Array]:
+        blended = blended_route(route, start, goal, blend, model.sharpest, kinks)
+        if blended is None:
             raise UndrivableError("its turns leave no room for blends")
         if first:
-            check_roughly(model, lines)
-        driven = [drive_line(model, line) for line in lines]
+            check_roughly(model, blended.lines)
+        driven = [drive_line(model, line) for line in blended.lines]
         check_clear(model, driven)
-        return driven
+        return driven, blended.turns
 
     return settled(model, route, (start, goal), driven_between)
 
 
 def least_blend(model: DriveModel, route: Route) -> float:
     """Over which the curvature of a route may change. [m]"""
-    if np.any(route.pivot != 0.0):
-        raise UndrivableError("it turns on the spot")
     return blend_length(model, steepest_along(model, route), float(np.abs(route.curvature).max()))
 
 
@@ -199,23 +213,21 @@ def settled(
     model: DriveModel,
     route: Route,
     ends: tuple[Pose, Pose],
-    driven_between: Callable[[Pose, Pose, Sequence[float], bool], list[DrivenLine]],
-) -> list[DrivenLine]:
-    """Drive a route so that the body's poses at the ends are met with the sideslips that it is driven with.
-
-    `driven_between` drives it from x, y and tangent to such, with turns of the tangent at gear changes; at last it is
-    told whether that is for the first time.
-    """
-    backwards = [bool(route.length[k] < 0.0) for k in (0, -1)]
+    driven_between: DriveBetween,
+) -> list[Driven]:
+    """Drive a route so that the body's poses at the ends are met with the sideslips that it is driven with."""
+    ways = route.length[route.length != 0.0]
+    backwards = [bool(ways.size and ways[k] < 0.0) for k in (0, -1)]
     tangents = [
         straight_tangent(model.pace, model.pace.backward if back else model.pace.forward, *pose)
         for pose, back in zip(ends, backwards, strict=True)
     ]
-    changes = int(np.count_nonzero(np.diff(np.sign(route.length[route.length != 0.0]))))
-    kinks = [0.0] * changes
+    kinks = None
     for turn in range(END_ROUNDS):
         first, last = ((*pose[:2], tangent) for pose, tangent in zip(ends, tangents, strict=True))
-        driven = driven_between(first, last, kinks, turn == 0)
+        driven, turns = driven_between(first, last, kinks, turn == 0)
+        if not driven:
+            break
         sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
         found = [tangent_of(model, pose, beta) for pose, beta in zip(ends, sideslips, strict=True)]
         kinks = [float(after.commands.sideslip[0] - before.commands.sideslip[-1]) for before, after in pairwise(driven)]
@@ -223,17 +235,59 @@ def settled(
         tangents = found
         if moved < SETTLED:
             break
+    return with_turns(model, driven, turns, first)
+
+
+def with_turns(model: DriveModel, driven: Sequence[DrivenLine], turns: Array, start: Pose) -> list[Driven]:
+    """Driven lines with the turns on the spot before, between and after them; from x, y [m] and tangent. [rad]"""
+    parts: list[Driven] = []
+    pose = start
+    for angle, line in zip_longest(turns.tolist(), driven):
+        if angle != 0.0:
+            parts.append(driven_turn(model, pose, angle))
+        if line is not None:
+            parts.append(line)
+            x, y, direction = line.line.end
+            pose = x, y, direction - math.pi if line.line.backwards else direction
+    return parts
+
+
+def driven_turn(model: DriveModel, pose: Pose, angle: float) -> DrivenTurn:
+    """A turn on the spot from a pose, x, y [m] and yaw [rad], by an angle. [rad]"""
+    if model.spot is None:
+        raise UndrivableError("it turns on the spot")
+    turn = spot_turn(model.ahead, model.spot, angle)
+    if turn is None:
+        raise UndrivableError(f"its tracks spin in a turn on the spot by {math.degrees(angle):.3g} deg")
+    driven = DrivenTurn(pose, model.field.level_uphill, model.vehicle.track_gauge, turn)
+    if first_hit(model.obstacles, *finely_turned(model, driven)) is not None:
+        raise UndrivableError(f"it touches an obstacle turning on the spot at ({pose[0]:.2f}, {pose[1]:.2f}) m")
     return driven
+
+
+def finely_turned(model: DriveModel, driven: DrivenTurn) -> tuple[Array, Array, Array]:
+    """x, y [m] and yaw [rad] of a turn, in steps of a share of a cell."""
+    x, y, yaw = driven.poses
+    step = CHECKED * model.obstacles.resolution / model.obstacles.footprint.reach
+    fine = np.linspace(yaw[0], yaw[-1], math.ceil(abs(yaw[-1] - yaw[0]) / step) + 2)
+    return np.full_like(fine, x[0]), np.full_like(fine, y[0]), fine
+
+
+def pivot_speed(model: DriveModel) -> float:
+    """Rate of turns on the spot, that of a quarter of a turn; 0: cannot. [rad/s]"""
+    turn = None if model.spot is None else spot_turn(model.ahead, model.spot, 0.5 * math.pi)
+    return 0.0 if turn is None else float(turn.yaw_rate.max())
 
 
 def steepest_along(model: DriveModel, route: Route) -> float:
     """Largest slope under a route, looked for at a few points of each piece. [rad]"""
     pose, points = route.start, [route.start]
-    for curvature, length in zip(route.curvature, route.length, strict=True):
+    for curvature, length, turn in zip(route.curvature, route.length, route.pivot, strict=True):
         points += [advanced(*pose, curvature, share * length) for share in (0.25, 0.5, 0.75, 1.0)]
-        pose = points[-1]
-    x, y, _ = np.array(points).T
-    return float(slopes_at(model, np.ascontiguousarray(x), np.ascontiguousarray(y)).max())
+        x, y, tangent = points[-1]
+        pose = x, y, tangent + turn
+    across, up, _ = np.ascontiguousarray(np.array(points).T)
+    return float(slopes_at(model, across, up).max())
 
 
 def tangent_of(model: DriveModel, pose: Pose, sideslip: float) -> float:
@@ -369,8 +423,10 @@ def map_poses(driven: DrivenLine) -> tuple[Array, Array, Array, Array]:
     return x, y, np.unwrap(uphill + on_map(heading, slope)) + back, heading + back
 
 
-def no_slip_twin(model: DriveModel, driven: DrivenLine) -> DrivenLine:
+def no_slip_twin(model: DriveModel, driven: Driven) -> Driven:
     """The same with commands that would drive it without slip."""
+    if isinstance(driven, DrivenTurn):
+        return driven.without_slip
     path = driven.commands.path
     left, right, _ = no_slip_ratios((model.behind if driven.line.backwards else model.ahead).model, path.curvature)
     speeds = {"track_speed_left": left * path.speed, "track_speed_right": right * path.speed}

@@ -16,6 +16,7 @@ from trackctl.simulation.following import deviation
 from trackctl.simulation.path import Path
 from trackctl.workflows.plan_drive import (
     DriveModel,
+    Driven,
     DrivenLine,
     UndrivableError,
     check_clear,
@@ -33,7 +34,7 @@ Pose = tuple[float, float, float]
 MOST_MISSED = 0.25
 
 
-def drive_jumps(model: DriveModel, route: Route, start: Pose, goal: Pose) -> list[DrivenLine]:
+def drive_jumps(model: DriveModel, route: Route, start: Pose, goal: Pose) -> list[Driven]:
     """Follow a route with its jumps of curvature from pose to pose, x, y [m] and yaw [rad], both met exactly.
 
     The lines are those of the route; the commands are those of its twin, and both keep clear of obstacles.
@@ -45,17 +46,22 @@ def drive_jumps(model: DriveModel, route: Route, start: Pose, goal: Pose) -> lis
     """
     blend = least_blend(model, route)
 
-    def driven_between(start: Pose, goal: Pose, kinks: Sequence[float], first: bool) -> list[DrivenLine]:
+    def driven_between(
+        start: Pose, goal: Pose, kinks: Sequence[float] | None, first: bool
+    ) -> tuple[list[DrivenLine], Array]:
         found = jumping_route(route, start, goal, blend, model.sharpest, kinks)
         if found is None:
             raise UndrivableError("its turns leave no room for what the sideslip changes at its ends")
-        lines, twins = found
+        jumping, twins = found
         if first:
-            check_roughly(model, [*lines, *twins])
-        driven = [followed(model, line, drive_line(model, twin)) for line, twin in zip(lines, twins, strict=True)]
+            check_roughly(model, [*jumping.lines, *twins.lines])
+        driven = [
+            followed(model, line, drive_line(model, twin))
+            for line, twin in zip(jumping.lines, twins.lines, strict=True)
+        ]
         check_clear(model, driven)
         check_clear(model, [each.twin for each in driven if each.twin is not None])
-        return driven
+        return driven, jumping.turns
 
     driven = settled(model, route, (start, goal), driven_between)
     if (missed := departures(driven)[1]) > MOST_MISSED * blend:
@@ -74,8 +80,9 @@ def followed(model: DriveModel, line: Line, twin: DrivenLine) -> DrivenLine:
     return DrivenLine(line, surface, twin.place, replace(twin.commands, path=path), twin)
 
 
-def departures(driven: Sequence[DrivenLine]) -> tuple[float, float, float]:
+def departures(parts: Sequence[Driven]) -> tuple[float, float, float]:
     """How far the twins leave the plan at most and miss the goal [m], and the turn that is missing there. [rad]"""
+    driven = [part for part in parts if isinstance(part, DrivenLine)]
     x, y, yaw = (np.concatenate(parts) for parts in list(zip(*map(map_poses, driven), strict=True))[:3])
     twins = [each.twin or each for each in driven]
     twin_x, twin_y, twin_yaw = (np.concatenate(parts) for parts in list(zip(*map(map_poses, twins), strict=True))[:3])
@@ -85,9 +92,9 @@ def departures(driven: Sequence[DrivenLine]) -> tuple[float, float, float]:
     return float(away), math.hypot(twin_x[-1] - x[-1], twin_y[-1] - y[-1]), turned
 
 
-def jumps_note(route: Route, driven: Sequence[DrivenLine]) -> str:
+def jumps_note(route: Route, driven: Sequence[Driven]) -> str:
     """What the user should know of a plan with jumps."""
-    bends = np.concatenate([np.diff(stretch.curvature) for stretch in stretches_of(route)])
+    bends = np.concatenate([np.diff(stretch.curvature) for stretch in stretches_of(route)[0]])
     count = int(np.count_nonzero(np.abs(bends) > SAME_CURVATURE))
     away, missed, turned = departures(driven)
     return (

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.simulation.path import Path
-from trackctl.workflows.plan_drive import LONGEST_ROW, ROW_SPACING, DriveModel, DrivenLine, map_poses
+from trackctl.workflows.plan_drive import LONGEST_ROW, ROW_SPACING, DriveModel, Driven, DrivenLine, map_poses
+from trackctl.workflows.plan_turn import DrivenTurn
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ class Rows:
     velocity
         Negative backwards. [m/s]
     curvature
-        Of the path in the plane of the ground: turn per metre travelled forwards. [1/m]
+        Of the path in the plane of the ground: turn per metre travelled forwards; 0 in a turn on the spot. [1/m]
     slope, heading
         Of the ground; from up-slope to the body's x axis in its plane, from 0 to 2 pi. [rad]
     rate_left, rate_right
@@ -38,7 +39,7 @@ class Rows:
     slip_left, slip_right
         Of the tracks. [-]
     segment
-        Number of the stretch driven without a stop.
+        Number of the stretch driven without a stop, or of the turn on the spot.
     """
 
     time: Array
@@ -92,15 +93,23 @@ def columns_of(rows: Rows) -> dict[str, Array]:
     return {header: getattr(rows, name) for header, name in COLUMNS.items()}
 
 
-def rows_of(model: DriveModel, driven: Sequence[DrivenLine]) -> Rows:
-    """Rows of stretches one after the other; where the direction of travel changes there is one row."""
+def rows_of(model: DriveModel, driven: Sequence[Driven]) -> Rows:
+    """Rows of stretches and turns one after the other; where two of them meet there is one row."""
     parts = []
     time = 0.0
     for number, each in enumerate(driven):
-        part = stretch_rows(model, each, number, time)
+        if isinstance(each, DrivenTurn):
+            part = turn_rows(model, each, number, time)
+        else:
+            part = stretch_rows(model, each, number, time)
         time = float(part["time"][-1])
         parts.append(part if number == 0 else {name: values[1:] for name, values in part.items()})
     return Rows(**{name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+def wrapped(yaw: Array) -> Array:
+    """The same direction above -pi, up to pi. [rad]"""
+    return math.pi - np.mod(math.pi - yaw, 2.0 * math.pi)
 
 
 def stretch_rows(model: DriveModel, driven: DrivenLine, number: int, time: float) -> dict[str, Array]:
@@ -122,7 +131,7 @@ def stretch_rows(model: DriveModel, driven: DrivenLine, number: int, time: float
         "time": time + commands.time,
         "x": x,
         "y": y,
-        "yaw": math.pi - np.mod(math.pi - yaw, 2.0 * math.pi),
+        "yaw": wrapped(yaw),
         "velocity": velocity,
         "curvature": curvature,
         "slope": driven.surface_at("slope"),
@@ -135,3 +144,25 @@ def stretch_rows(model: DriveModel, driven: DrivenLine, number: int, time: float
         "segment": np.full(x.size, number),
     }
     return {name: values[kept] for name, values in columns.items()}
+
+
+def turn_rows(model: DriveModel, driven: DrivenTurn, number: int, time: float) -> dict[str, Array]:
+    """Rows of a turn on the spot, on level ground."""
+    x, y, yaw = driven.poses
+    turn, radius, nothing = driven.turn, model.vehicle.sprocket_radius, np.zeros_like(yaw)
+    return {
+        "time": time + turn.time,
+        "x": x,
+        "y": y,
+        "yaw": wrapped(yaw),
+        "velocity": nothing,
+        "curvature": nothing,
+        "slope": nothing,
+        "heading": np.mod(yaw - driven.uphill, 2.0 * math.pi),
+        "rate_left": turn.track_speed_left / radius,
+        "rate_right": turn.track_speed_right / radius,
+        "sideslip": nothing,
+        "slip_left": turn.slip_left,
+        "slip_right": turn.slip_right,
+        "segment": np.full(yaw.size, number),
+    }
