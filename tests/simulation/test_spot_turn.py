@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from simulation.driving import ASPHALT, BIG, BIG_GROUND, SMALL, slope_scene
 
 from trackctl.simulation.motion import State, sample, simulate
-from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_turn
+from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_rate, spot_turn
 from trackctl.simulation.track_speeds import TrackSpeeds
 
 DRIVE = SpotDrive(0.3, 1.0)
@@ -29,7 +29,7 @@ def rigid_ratio(model):
         drive = 0.5 * B * (2.0 * a * reach - 2.0 * model.resistance * half / model.friction)
         return drive - (half * math.hypot(half, a) - a * a * reach)
 
-    return 1.0 / (1.0 + 2.0 * brentq(missing, 1e-9, 10.0) / B)
+    return 1.0 / (1.0 + 2.0 * brentq(missing, 1e-9, 1e3, xtol=1e-14) / B)
 
 
 def test_stiff_ground_turns_the_body_as_the_balance_of_friction_says():
@@ -82,6 +82,14 @@ def test_a_drive_that_gives_less_than_merritts_moment_cannot_turn():
     for factor, can in ((0.99, False), (1.01, True)):
         vehicle = replace(SMALL, max_track_force=factor * needed)
         assert (spot_drive(LEVEL, vehicle, 2.0) is not None) is can
+
+
+@pytest.mark.parametrize(("gauge", "length", "resistance"), [(0.61, 0.8, 0.03), (0.3, 5.0, 0.0), (2.5, 0.4, 0.6)])
+def test_the_rate_on_stiff_ground_is_that_of_the_balance_of_friction(gauge, length, resistance):
+    vehicle = replace(SMALL, track_gauge=gauge, contact_length=length)
+    model = slope_scene(0, vehicle, replace(ASPHALT, motion_resistance_coefficient=resistance)).model
+    expected = rigid_ratio(model) * DRIVE.speed / (0.5 * gauge)
+    assert spot_rate(model, DRIVE) == pytest.approx(expected, rel=1e-9)
 
 
 @pytest.mark.parametrize("change", [{"cog_forward": 0.05}, {"cog_left": -0.02}, {"min_turn_radius": 1.5}])

@@ -138,3 +138,50 @@ def test_the_heading_is_counted_from_up_slope_on_level_ground_too(slope):
     rows = planned(replace(PLANE, slope=math.radians(slope), uphill_yaw=0.7, circles=())).rows
     assert np.cos(rows.yaw - rows.heading) == pytest.approx(math.cos(0.7), abs=1e-9)
     assert np.sin(rows.yaw - rows.heading) == pytest.approx(math.sin(0.7), abs=1e-9)
+
+
+#: A corridor too narrow to turn round in: the vehicle looks at its end.
+CORRIDOR = replace(
+    PLANE, slope=0.0, circles=(), bounds=(0.0, 0.0, 6.0, 2.0), start=(4.5, 1.0, 0.0), goal=(2.5, 1.0, 0.5 * math.pi)
+)
+
+
+def test_where_there_is_no_other_way_the_vehicle_turns_on_the_spot():
+    rows = (found := planned(CORRIDOR, verify=True, most_speed=0.4)).rows
+    check_limits(rows, VEHICLE)
+    assert (rows.x[-1], rows.y[-1], rows.yaw[-1]) == pytest.approx((2.5, 1.0, 0.5 * math.pi), abs=2e-6)
+    way, turned = np.hypot(np.diff(rows.x), np.diff(rows.y)), np.abs(np.diff(np.unwrap(rows.yaw)))
+    assert way.max() <= 0.1
+    spot = way < 1e-9
+    assert turned[spot].sum() == pytest.approx(1.5 * math.pi, abs=0.05)  # half round, and a quarter at the goal
+    assert turned[~spot].max() < 0.02
+    assert (rows.velocity[:-1][spot][1:-1] == 0.0).all()
+    assert set(rows.segment) == {0, 1, 2}
+    # Starts and stops shift a plan along itself by some K: the ground is a spring.
+    assert found.verification.max_deviation < 0.04
+    assert not found.verification.collision
+    assert found.no_slip.max_deviation > 5.0 * found.verification.max_deviation
+
+
+@pytest.mark.parametrize(
+    ("change", "more"),
+    [
+        ({}, {"pivot": False}),
+        ({"slope": math.radians(5.0)}, {}),
+        ({}, {"vehicle": replace(VEHICLE, min_turn_radius=1.2)}),
+        ({}, {"vehicle": replace(VEHICLE, cog_forward=0.02)}),
+        ({}, {"vehicle": replace(VEHICLE, max_track_force=200.0)}),
+    ],
+    ids=["forbidden", "slope", "least radius", "mass centre", "weak drive"],
+)
+def test_who_cannot_or_must_not_turn_on_the_spot_does_not(change, more):
+    with pytest.raises(NoAnswerError, match="goal not reach"):
+        planned(replace(CORRIDOR, **change), **more)
+
+
+def test_a_turn_on_the_spot_is_made_where_it_is_cheaper_if_asked_for():
+    wide = replace(CORRIDOR, bounds=(0.0, 0.0, 12.0, 9.0), start=(6.0, 4.5, 0.0), goal=(4.8, 4.5, math.pi))
+    around, turned = (planned(wide, pivot=pivot, most_speed=1.0).rows for pivot in (None, True))
+    assert set(around.segment) == {0}
+    assert set(turned.segment) == {0, 1}
+    assert turned.time[-1] < around.time[-1]

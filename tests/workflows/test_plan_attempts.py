@@ -52,12 +52,12 @@ def plan(monkeypatch):
     def planned(drivable, attempts=None, **settings):
         world = World(drivable)
         chosen = attempts or [replace(PROBLEM, start=(x, 6.0, 0.0)) for x in STARTS]
-        monkeypatch.setattr(plan_attempts, "attempts", lambda model, problem: chosen)
+        monkeypatch.setattr(plan_attempts, "attempts", lambda model, problem, pivot: chosen)
         monkeypatch.setattr(plan_attempts, "drive_route", world.drive)
         monkeypatch.setattr(plan_attempts, "drive_jumps", world.drive_jumps)
         monkeypatch.setattr(plan_attempts, "rows_of", rows_of)
         try:
-            found = driven_plan(None, PROBLEM, Settings(**settings), world.tell, world.elapsed)
+            found = driven_plan(None, PROBLEM, Settings(**settings), world.tell, elapsed=world.elapsed)
         except NoAnswerError as error:
             found = str(error)
         return world, found

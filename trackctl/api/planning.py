@@ -56,6 +56,7 @@ def plan(
     clearance: float = 0.0,
     cost: PlanCost = PlanCost.TIME,
     reverse: bool = False,
+    pivot: bool | None = None,
     allow_unknown: bool = False,
     time_limit: float = 1.0,
     iterations: int | None = None,
@@ -87,6 +88,8 @@ def plan(
         What to have the least of.
     reverse, allow_unknown
         Whether to drive backwards, and on unknown cells, too.
+    pivot
+        Whether to turn on the spot where that is cheaper; None: only where there is no other way.
     time_limit, iterations
         How long to look for better ways; iterations, where given, in place of the time. [s]
     seed
@@ -135,6 +138,7 @@ def plan(
         most_speed=most_speed,
         clearance=clearance,
         reverse=reverse,
+        pivot=pivot,
         allow_unknown=allow_unknown,
         verify=verify,
         jobs=jobs,

@@ -77,6 +77,14 @@ def plan(
     ] = 0.0,
     cost: Annotated[PlanCost, typer.Option("--cost", help="What to have the least of.")] = PlanCost.TIME,
     reverse: Annotated[bool, typer.Option("--reverse", help="Drive backwards, too.")] = False,
+    pivot: Annotated[
+        bool | None,
+        typer.Option(
+            "--pivot/--no-pivot",
+            help="Turn on the spot, on level ground, where that is cheaper; never.",
+            show_default="where there is no other way",
+        ),
+    ] = None,
     time_limit_s: Annotated[
         float | None,
         typer.Option(
@@ -182,6 +190,7 @@ def plan(
             "most_speed": speed_mps,
             "clearance": clearance_m,
             "reverse": reverse,
+            "pivot": pivot,
             "allow_unknown": allow_unknown,
             "verify": verify,
             "jobs": jobs,

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import root_scalar
 
+from trackctl.mechanics.parameters import TrackModel
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.motion import End, Motion, State, sample, simulate
 from trackctl.simulation.track_speeds import TrackSpeeds
@@ -33,6 +33,7 @@ INTERVAL = 0.05
 TOLERANCE, ANGLE_ERROR = 1e-6, 1e-6
 #: Travel of a track over that without slip, at most: beyond, the tracks spin more than they turn the body.
 MOST_TRAVEL = 4.0
+BISECTIONS = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +89,9 @@ def spot_drive(scene: Scene, vehicle: VehicleProfile, most_speed: float) -> Spot
     model = scene.model
     if vehicle.min_turn_radius is not None or model.cog_forward != 0.0 or model.cog_left != 0.0:
         return None
-    strength = model.friction + 2.0 * model.adhesion * model.length
+    strength = full_friction(model)
+    if strength <= model.resistance:
+        return None
     force = vehicle.mass * model.gravity * (strength * model.length / (4.0 * model.gauge) + 0.5 * model.resistance)
     if vehicle.max_track_force is not None and force > SHARE * vehicle.max_track_force:
         return None
@@ -97,6 +100,29 @@ def spot_drive(scene: Scene, vehicle: VehicleProfile, most_speed: float) -> Spot
     gain = vehicle.max_sprocket_acceleration * vehicle.sprocket_radius
     speed = min(SHARE * vehicle.max_speed, SHARE * most_speed, SHARE * by_drive, swung)
     return SpotDrive(speed, SHARE * min(vehicle.max_acceleration, gain))
+
+
+def full_friction(model: TrackModel) -> float:
+    """What the ground holds against sliding, over the weight. [-]"""
+    return model.friction + 2.0 * model.adhesion * model.length
+
+
+def spot_rate(model: TrackModel, drive: SpotDrive) -> float:
+    """Yaw rate of a turn on stiff ground, which others fall short of. [rad/s]
+
+    Every point of a track slides, along it by e and across it by r x, against full friction mu. With a = e/r the turn
+    is driven by (B/2) (2 a asinh(L/(2 a)) - f_r L/mu) and held by (L/2) sqrt(L^2/4 + a^2) - a^2 asinh(L/(2 a)); where
+    they are one, r = V/(B/2 + a).
+    """
+    half, B = 0.5 * model.length, model.gauge
+    held = model.resistance / full_friction(model)
+    low, high = 0.0, half * (1.0 + half / B) / (1.0 - held)
+    for _ in range(BISECTIONS):
+        a = 0.5 * (low + high)
+        reach = math.asinh(half / a)
+        is_driven = 0.5 * B * (2.0 * a * reach - 2.0 * held * half) > half * math.hypot(half, a) - a * a * reach
+        low, high = (low, a) if is_driven else (a, high)
+    return drive.speed / (0.5 * B + a)
 
 
 def spot_turn(scene: Scene, drive: SpotDrive, angle: float) -> SpotTurn | None:
@@ -111,6 +137,8 @@ def spot_turn(scene: Scene, drive: SpotDrive, angle: float) -> SpotTurn | None:
     angle
         Left positive. [rad]
     """
+    from scipy.optimize import root_scalar
+
     sense, size = math.copysign(1.0, angle), abs(angle)
     without_slip = 0.5 * scene.model.gauge * size
 

@@ -64,6 +64,8 @@ class PlanRequest:
         To keep. [m]
     reverse
         Whether to drive backwards, too.
+    pivot
+        Whether to turn on the spot where that is cheaper; None: only where there is no other way.
     allow_unknown
         Whether unknown cells may be driven on.
     verify
@@ -81,6 +83,7 @@ class PlanRequest:
     most_speed: float | None = None
     clearance: float = 0.0
     reverse: bool = False
+    pivot: bool | None = None
     allow_unknown: bool = False
     verify: bool = False
     jobs: int = 1
@@ -221,7 +224,7 @@ def plan(
     )
     load_plan_kernels(model, problem)
     begin = time.perf_counter()
-    driven = driven_plan(model, problem, request.search, searching)
+    driven = driven_plan(model, problem, request.search, searching, request.pivot)
     planning = time.perf_counter() - begin
     rows, found = driven.rows, driven.search.result()
     verification = no_slip = None

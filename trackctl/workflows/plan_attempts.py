@@ -19,6 +19,7 @@ from trackctl.workflows.plan_drive import (
     UndrivableError,
     blend_length,
     drive_route,
+    pivot_speed,
     slopes_at,
 )
 from trackctl.workflows.plan_jumps import drive_jumps, jumps_note
@@ -87,6 +88,7 @@ def driven_plan(
     problem: Problem,
     settings: Settings,
     progress: Progress,
+    pivot: bool | None = None,
     elapsed: Callable[[], float] | None = None,
 ) -> DrivenPlan:
     """Search, and drive the best route that can be driven.
@@ -102,6 +104,8 @@ def driven_plan(
         How to search, and how long.
     progress
         Told what is done, and all.
+    pivot
+        Whether turns on the spot may be planned; None: only where there is no other way.
     elapsed
         Tells the seconds since the start; None: since now.
 
@@ -110,7 +114,7 @@ def driven_plan(
     NoAnswerError
         If there is none.
     """
-    planned = attempts(model, problem)
+    planned = attempts(model, problem, pivot)
     allowance = Allowance(settings, len(planned), progress, elapsed or stopwatch())
     driving = Driving(model, problem, settings.cost, allowance)
     searches: list[Search] = []
@@ -269,17 +273,35 @@ def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
             return searched_cost
 
 
-def attempts(model: DriveModel, problem: Problem) -> list[Problem]:
-    """Searches to be made until a route can be driven.
+def attempts(model: DriveModel, problem: Problem, pivot: bool | None) -> list[Problem]:
+    """Searches to be made until a route can be driven, with turns on the spot as of `driven_plan`.
 
-    Blends cut corners by up to curvature blend^2 / 24, and on a slope the vehicle leaves its plan: the first searches
+    Those with turns start and end at the poses themselves: a turn needs no lead.
+    """
+    moving = moving_attempts(model, problem)
+    if pivot is False or (speed := pivot_speed(model)) == 0.0:
+        return moving
+    rooms = (cut_of(model, problem), 0.0)
+    turning = [replace(problem, pivot_speed=speed, clearance=problem.clearance + room) for room in rooms]
+    return [*turning, *moving] if pivot else [*moving, *turning]
+
+
+def cut_of(model: DriveModel, problem: Problem) -> float:
+    """By how much blends cut corners: up to curvature blend^2 / 24. [m]"""
+    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
+    return model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+
+
+def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
+    """Searches to be made until a route without turns on the spot can be driven.
+
+    Blends cut corners, and on a slope the vehicle leaves its plan: the first searches
     keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
     The last one starts and ends at the poses themselves; when driving backwards is allowed, whether the ends are driven
     forwards is not known beforehand, and there is no other.
     """
-    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
-    cut = model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+    cut = cut_of(model, problem)
     led = problem if problem.backward is not None else led_in(model, problem)
     preferred = () if away == 0.0 or problem.clearance > 0.0 else (cut + away, cut + away / 3.0)
     rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)

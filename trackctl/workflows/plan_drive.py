@@ -35,7 +35,7 @@ from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import Ground as PathGround
 from trackctl.simulation.path_rule import PathCommands, no_slip_ratios, path_commands
-from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_turn
+from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_rate, spot_turn
 from trackctl.simulation.vehicle_rates import Scene, scene
 from trackctl.workflows.plan_turn import DrivenTurn
 
@@ -274,9 +274,8 @@ def finely_turned(model: DriveModel, driven: DrivenTurn) -> tuple[Array, Array, 
 
 
 def pivot_speed(model: DriveModel) -> float:
-    """Rate of turns on the spot, that of a quarter of a turn; 0: cannot. [rad/s]"""
-    turn = None if model.spot is None else spot_turn(model.ahead, model.spot, 0.5 * math.pi)
-    return 0.0 if turn is None else float(turn.yaw_rate.max())
+    """Rate of turns on the spot as a search takes them; 0: cannot. [rad/s]"""
+    return 0.0 if model.spot is None else spot_rate(model.ahead.model, model.spot)
 
 
 def steepest_along(model: DriveModel, route: Route) -> float:
