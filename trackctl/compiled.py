@@ -142,12 +142,12 @@ class Linked:
 
     def link(self) -> None:
         """Compile or load it, and make its address known; what calls it must not be loaded before."""
-        if self._compiled is None:
-            link_callees(self._function)
-            with cached_in_kernel_folder():
+        with cached_in_kernel_folder():
+            if self._compiled is None:
+                link_callees(self._function)
                 make = numba.cfunc(self._signature, cache=True, error_model="numpy", fastmath=FASTMATH)
                 self._compiled = make(self._function)
-            llvmlite.binding.add_symbol(self._name, self._compiled.address)
+                llvmlite.binding.add_symbol(self._name, self._compiled.address)
 
     @property
     def _name(self) -> str:

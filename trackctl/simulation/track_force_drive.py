@@ -14,8 +14,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicSpline
 
 from trackctl.errors import NoAnswerError
 
@@ -190,6 +188,8 @@ def integrated(
     rates: Rates, state: Array, time: Array, relative: float, absolute: float, longest: float = math.inf
 ) -> Array:
     """States at the times, shape (6, n), from that at the first; no step is longer than `longest`. [s]"""
+    from scipy.integrate import solve_ivp  # takes its time
+
     solution = solve_ivp(
         rates,
         (time[0], time[-1]),
@@ -252,6 +252,8 @@ def lateral_friction(
 
 def interpolator(history: ForceHistory) -> ForcesAt:
     """Both forces of a history at a time, by cubic splines."""
+    from scipy.interpolate import CubicSpline  # takes its time
+
     splines = CubicSpline(history.time, np.stack((history.total, history.difference), axis=1))
     knots: list[float] = splines.x.tolist()
     pieces: Any = splines.c.transpose(1, 2, 0).tolist()

@@ -11,7 +11,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from importlib import import_module
 
 import numpy as np
 
@@ -69,10 +68,11 @@ def use_sensitivity() -> None:
 
 def use_column() -> None:
     """A column of a table; the swarm first, which the other process compiles last."""
-    import_module("trackctl.lut.swarm_search")
+    from trackctl.lut.swarm_search import linked_search
     from trackctl.lut.sweep import Seeding, Sweep, solve
     from trackctl.mechanics.parameters import STANDARD_GRAVITY, track_model
 
+    linked_search.link()
     model = track_model(load_vehicle(VEHICLE), load_terrain(TERRAIN), STANDARD_GRAVITY)
     solve(Sweep(model, small_axes(), Seeding.CONTINUATION, 0), 0)
 
