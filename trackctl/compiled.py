@@ -51,9 +51,12 @@ def kernel_folder() -> Path:
     return cache_root() / f"kernels-{digest.hexdigest()[:16]}"
 
 
-def kernels_are_compiled() -> bool:
-    """Whether an earlier run has left compiled code for this version."""
-    return kernel_folder().is_dir() and any(kernel_folder().rglob("*.nbc"))
+def kernels_are_compiled(kernel: str = "") -> bool:
+    """Whether an earlier run has left compiled code for this version: any, or that of a kernel, as ``module.name``.
+
+    What only kernels call does not count.
+    """
+    return any(FOR_KERNELS not in file.parts for file in kernel_folder().rglob(f"{kernel}*.nbc"))
 
 
 @contextlib.contextmanager
@@ -136,7 +139,6 @@ class Linked:
     """A function compiled once for all its callers, which call it by address."""
 
     def __init__(self, function: Callable[..., None], signature: Any) -> None:
-        functools.update_wrapper(self, function)
         self._function, self._signature = function, signature
         self._compiled: Any = None
 

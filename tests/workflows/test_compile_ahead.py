@@ -3,18 +3,36 @@
 import os
 import subprocess
 
+import pytest
+
+from trackctl.compiled import kernels_are_compiled
 from trackctl.workflows import compile_ahead
-from trackctl.workflows.compile_ahead import compiling_ahead
+from trackctl.workflows.compile_ahead import TASKS, compiling_ahead, make_ready
 
 
-def test_the_other_process_does_all_that_it_is_for(monkeypatch):
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda: False)
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
-    with compiling_ahead() as wait:
-        assert wait() == 0
+def with_cores(monkeypatch, count, compiled=False):
+    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda kernel: compiled)
+    monkeypatch.setattr(os, "cpu_count", lambda: count)
 
 
-def test_the_other_process_ends_with_the_block(monkeypatch):
+@pytest.mark.parametrize("task", TASKS)
+def test_another_process_does_all_that_it_is_for(monkeypatch, task):
+    with_cores(monkeypatch, 2)
+    with compiling_ahead(task) as wait:
+        assert wait(task) == 0
+    assert kernels_are_compiled(TASKS[task][1])
+
+
+def test_what_has_been_compiled_is_not_used_again(monkeypatch):
+    used = []
+    monkeypatch.setitem(TASKS, "search", (lambda: used.append("search"), "polish.polish"))
+    for compiled in (True, False):
+        with_cores(monkeypatch, 2, compiled)
+        make_ready("search")
+    assert used == ["search"]
+
+
+def test_the_other_processes_end_with_the_block(monkeypatch):
     started = []
 
     class Noted(subprocess.Popen):
@@ -22,19 +40,18 @@ def test_the_other_process_ends_with_the_block(monkeypatch):
             super().__init__(*arguments, **options)
             started.append(self)
 
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda: False)
-    monkeypatch.setattr(os, "cpu_count", lambda: 2)
+    with_cores(monkeypatch, 2)
     monkeypatch.setattr(subprocess, "Popen", Noted)
-    with compiling_ahead():
+    with compiling_ahead("search", "simulation"):
         pass
-    assert started[0].returncode is not None
+    assert len(started) == 2
+    assert all(each.returncode is not None for each in started)
 
 
 def test_there_is_no_other_process_where_it_would_not_help(monkeypatch):
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda: True)
-    with compiling_ahead() as wait:
-        assert wait() is None
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda: False)
-    monkeypatch.setattr(os, "cpu_count", lambda: 1)
-    with compiling_ahead() as wait:
-        assert wait() is None
+    with_cores(monkeypatch, 2, compiled=True)
+    with compiling_ahead("search") as wait:
+        assert wait("search") is None
+    with_cores(monkeypatch, 1)
+    with compiling_ahead("search") as wait:
+        assert wait("search") is None

@@ -104,7 +104,7 @@ def compute_lut(
     announce_compilation(quiet)
     from trackctl.workflows.compile_ahead import compiling_ahead
 
-    wait_for_kernels = context.with_resource(compiling_ahead())
+    wait_for_kernels = context.with_resource(compiling_ahead("table"))
     import numpy as np
 
     from trackctl.files.atomic import check_output
@@ -133,7 +133,7 @@ def compute_lut(
         if dry_run:
             tell_estimate(request, chosen, jobs, as_json)
             return
-        wait_for_kernels()
+        wait_for_kernels("table")
         with checkpoint_told(output), bar("solving", "column", quiet) as progress:
             summary = compile_table(
                 request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress, crew=crew

@@ -19,14 +19,18 @@ from trackctl.errors import NoAnswerError, UsageError
 from trackctl.workflows.plan_choices import PlanCost, PlanFormat
 
 if TYPE_CHECKING:
+    from trackctl.workflows.compile_ahead import Wait
     from trackctl.workflows.plan import PlanResult
 
 DEFAULT_TIME_LIMIT = 1.0
 STEEPEST_DEG, FASTEST, WIDEST_CLEARANCE, LONGEST_SEARCH, MOST_ITERATIONS = 44.9, 100.0, 100.0, 3600.0, 10**9
+#: The kernel that tells whether there has been a run.
+SEARCH = "polish.polish"
 POSE = "X,Y,YAW_DEG"
 
 
 def plan(
+    context: typer.Context,
     map_file: Annotated[
         str,
         typer.Argument(
@@ -167,6 +171,10 @@ def plan(
         raise UsageError("--iterations", iterations, "nothing beside --time-limit-s")
     if elevation is not None and (slope_deg is not None or uphill_yaw_deg is not None):
         raise UsageError("--elevation", elevation, "nothing beside --slope-deg and --uphill-yaw-deg")
+    announce_compilation(quiet, SEARCH)
+    from trackctl.workflows.compile_ahead import compiling_ahead
+
+    wait = context.with_resource(compiling_ahead("search", *(["simulation"] if verify else [])))
     planning_map = asked_map(
         map_file,
         elevation,
@@ -179,7 +187,6 @@ def plan(
     for note in planning_map.notes:
         say(note, quiet)
     named = Path(planning_map.lut) if planning_map.lut else None
-    announce_compilation(quiet)
     result = planned(
         {
             "planning_map": planning_map,
@@ -196,6 +203,7 @@ def plan(
             "jobs": jobs,
         },
         (seed, time_limit_s or DEFAULT_TIME_LIMIT, iterations, cost),
+        wait,
         quiet,
         as_json,
     )
@@ -262,7 +270,7 @@ def asked_map(map_file: str, elevation: Path | None, **given: Any) -> Any:
 
 
 def planned(
-    fields: dict[str, Any], how: tuple[int, float, int | None, PlanCost], quiet: bool, as_json: bool
+    fields: dict[str, Any], how: tuple[int, float, int | None, PlanCost], wait: Wait, quiet: bool, as_json: bool
 ) -> PlanResult:
     """The plan; where there is none, a summary says so if it was asked for."""
     from trackctl.workflows.plan import PlanRequest, search_settings
@@ -271,7 +279,7 @@ def planned(
     request = PlanRequest(**fields, search=search_settings(*how))
     try:
         with bar("table", "column", quiet) as compiling, bar("search", "", quiet) as searching:
-            return find(request, compiling, lambda done, total: searching(int(100 * done / total), 100))
+            return find(request, compiling, lambda done, total: searching(int(100 * done / total), 100), wait)
     except NoAnswerError as error:
         if as_json:
             typer.echo(json.dumps({"solved": False, "reason": str(error)}))

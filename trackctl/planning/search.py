@@ -253,14 +253,19 @@ class Search:
         return f"goal not reached: no connection in {self.iterations} iterations"
 
 
-@functools.cache
-def load_kernels() -> None:
-    """Compile the kernels of a search, or load them, by crossing a small empty room: no clock should count that."""
+def empty_room() -> Problem:
+    """A way across a small empty room, for what any problem would do."""
     grid = CollisionGrid(np.zeros((20, 20), np.bool_), np.full((20, 20), 10.0), 1.0, 0.0, 0.0, 1.0, 0.0)
     ones = np.ones((1, 3, 1))
     limits = SteeringLimits(np.zeros(1), np.array([-1.0, 0.0, 1.0]), np.zeros(1), ones, 0.0 * ones, ones, ones)
     triangle = np.array([[0.2, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
-    problem = Problem(grid, plane_slope(0.0, 0.0), triangle, (5.0, 5.0, 0.0), (9.0, 9.0, 1.0), limits)
+    return Problem(grid, plane_slope(0.0, 0.0), triangle, (5.0, 5.0, 0.0), (9.0, 9.0, 1.0), limits)
+
+
+@functools.cache
+def load_kernels() -> None:
+    """Compile the kernels of a search, or load them, by crossing an empty room: no clock should count that."""
+    problem = empty_room()
     task = task_of(problem, Settings())
     _hindrance(problem, task)
     state = Anytime(task, tangent_pose(task.ground, problem.start), tangent_pose(task.ground, problem.goal), 0)

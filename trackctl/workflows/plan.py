@@ -28,6 +28,7 @@ from trackctl.planning.surface_line import is_plane
 from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhere, searched, table_limits
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.compile_ahead import Wait, make_ready
 from trackctl.workflows.plan_attempts import driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import drive_model, no_slip_twin, turned_round
@@ -179,6 +180,7 @@ def plan(
     request: PlanRequest,
     compiling: Callable[[int, int], None] = lambda done, total: None,
     searching: Progress = lambda done, total: None,
+    wait: Wait = lambda task: None,
 ) -> PlanResult:
     """Plan what a request asks for.
 
@@ -190,6 +192,8 @@ def plan(
         Told the columns of the table that are done, and all.
     searching
         Told how far the search is.
+    wait
+        Waits for kernels that are being compiled; see `compile_ahead`.
 
     Raises
     ------
@@ -222,6 +226,9 @@ def plan(
         None if backward is None else searched(backward),
         request.clearance,
     )
+    # What is to be compiled or loaded is no part of the time that a search may take.
+    make_ready("driving")
+    wait("search")
     load_plan_kernels(model, problem)
     begin = time.perf_counter()
     driven = driven_plan(model, problem, request.search, searching, request.pivot)
@@ -229,6 +236,7 @@ def plan(
     rows, found = driven.rows, driven.search.result()
     verification = no_slip = None
     if request.verify:
+        wait("simulation")
         setting = request.vehicle, request.terrain, request.gravity, exact
         twin = rows_of(model, [no_slip_twin(model, each) for each in driven.lines])
         with ThreadPoolExecutor(request.jobs) as pool:

@@ -16,12 +16,17 @@ SHORT = 0.25
 
 
 def load_plan_kernels(model: DriveModel, problem: Problem) -> None:
-    """Compile the kernels of search and driving, or load them: by a small search, and a short line from the start.
+    """Compile the kernels of search and driving, or load them: by a small search, and a short line from the start."""
+    load_kernels()
+    load_driving_kernels(model, problem.start)
+
+
+def load_driving_kernels(model: DriveModel, start: tuple[float, float, float]) -> None:
+    """Compile the kernels of driving, or load them: by a short line from x, y [m] and yaw. [rad]
 
     Where that line cannot be driven, there is no plan, either.
     """
-    load_kernels()
-    x, y, yaw = problem.start
+    x, y, yaw = start
     tangent = float(straight_tangent(model.pace, model.pace.forward, x, y, yaw))
     knots = np.array([0.0, SHORT * model.vehicle.contact_length])
     line = Line(False, (x, y, tangent), knots, np.zeros(2))
