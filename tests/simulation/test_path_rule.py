@@ -17,8 +17,8 @@ from simulation.driving import (
 )
 
 from trackctl.lut.point import solve_points
-from trackctl.simulation.path import circle, path_of_curvature
-from trackctl.simulation.path_rule import Ground, naive_commands, no_slip_commands, path_commands
+from trackctl.simulation.path import Path, circle, path_of_curvature
+from trackctl.simulation.path_rule import Ground, naive_commands, no_slip_commands, path_commands, resampled
 
 #: What the path rule is known to reach, in percent of the way: with contact memory, and without.
 FIGURES = [
@@ -176,3 +176,13 @@ def test_tractions_balance_weight_resistance_and_acceleration():
 
 def test_without_a_balance_there_are_no_tractions():
     assert np.isnan(no_slip_commands(scene_of("small", 12), lap("small")).traction_left).all()
+
+
+def test_a_resampled_path_ends_where_it_ends():
+    """At rest, too, for whatever length: the square root of a rounding error is none."""
+    for length in np.random.default_rng(0).uniform(1.0, 30.0, 200):
+        place, zeros = np.linspace(0.0, length, 50), np.zeros(50)
+        path = Path(place, place, zeros, zeros, zeros, np.sqrt(place * (length - place)))
+        fine, inner = resampled(path, 0.61)
+        assert fine.arc_length[inner][-1] == length
+        assert fine.speed[inner][0] == fine.speed[inner][-1] == 0.0
