@@ -85,6 +85,54 @@ def test_summary_picture_and_verification(run, tmp_path):
     assert json.loads(closed.stdout)["max_deviation_m"] < 0.002 * found["length_m"]
 
 
+WALL = """\
+bounds_m: [0, 0, 10, 10]
+resolution: 0.05
+obstacles:
+  polygons: [[[8, 0], [10, 0], [10, 10], [8, 10]]]
+start: [1.5, 1.5, 0]
+goal: [7.6, 5, 0]
+"""
+
+
+def test_a_goal_in_a_wall_is_met_within_its_tolerance(run, tmp_path):
+    (tmp_path / "wall.yaml").write_text(WALL)
+    (tmp_path / "near.yaml").write_text(WALL + "goal_tolerance: [0.3, 5]\n")
+    exact = run("plan", "wall.yaml", *QUICK)
+    assert (exact.exit_code, exact.stdout) == (1, "")
+    assert "goal: the footprint touches cell" in exact.stderr
+    result = run("plan", "near.yaml", *QUICK, "--json", "-o", "near.csv")
+    assert result.exit_code == 0, result.output
+    assert "from the goal, within its tolerance" in result.stderr
+    found, last = json.loads(result.stdout), rows((tmp_path / "near.csv").read_text())[-1]
+    off, turned = math.dist((last["x_m"], last["y_m"]), (7.6, 5.0)), abs(last["yaw_rad"])
+    assert 0.1 < off <= 0.3
+    assert turned <= math.radians(5.0)
+    assert (found["goal_distance_m"], found["goal_yaw_error_rad"]) == pytest.approx((off, turned), abs=1e-12)
+    assert found["min_clearance_m"] > 0.0
+    option = run("plan", "wall.yaml", *QUICK, "--goal-tolerance", "0.3,5")
+    assert option.stdout == (tmp_path / "near.csv").read_text()
+
+
+def test_without_a_tolerance_the_goal_is_exact(run):
+    exact, zeros = (run("plan", "map.yaml", *QUICK, *more) for more in ((), ("--goal-tolerance", "0,0")))
+    assert exact.stdout == zeros.stdout
+    found = json.loads(run("plan", "map.yaml", *QUICK, "--json", "-o", "plan.csv").stdout)
+    assert found["goal_distance_m"] < 1e-9
+    assert found["goal_yaw_error_rad"] < 1e-5
+
+
+def test_a_goal_that_faces_the_wrong_way_is_met_sooner_where_its_yaw_is_free(run, tmp_path):
+    (tmp_path / "wide.yaml").write_text(MAP.replace("10, 10]", "16, 16]"))
+    summaries = [
+        json.loads(run("plan", "wide.yaml", "--goal", "8,8,-120", "--iterations", 500, *words).stdout)
+        for words in (("--json", "-o", "a.csv"), ("--json", "-o", "b.csv", "--goal-tolerance", "0,180"))
+    ]
+    assert summaries[1]["cost"] < 0.9 * summaries[0]["cost"]
+    assert summaries[1]["goal_yaw_error_rad"] > 1.0
+    assert summaries[1]["goal_distance_m"] < 1e-8
+
+
 def test_a_collision_in_the_simulation_exits_with_1_and_leaves_the_output(run, tmp_path, monkeypatch):
     from trackctl.workflows import plan_verification
 
@@ -117,6 +165,12 @@ def test_json_and_ros(run):
         (("--start", "5,6.2,0", "--clearance-m", "0.5"), 1, "circle 1"),
         (("--goal", "15,5,0"), 2, "x from 0 to 10 m"),
         (("--goal", "5,5"), 2, "X,Y,YAW_DEG"),
+        (("--goal", "5,5,0", "--goal-tolerance", "0.2,10"), 1, "goal, anywhere within 0.2 m and 10 deg: the footprint"),
+        (("--goal-tolerance", "0.2"), 2, "M,DEG: 0 to 1000 m and 0 to 180 deg"),
+        (("--goal-tolerance", "-0.1,5"), 2, "--goal-tolerance: -0.1,5 is not allowed"),
+        (("--goal-tolerance", "nan,5"), 2, "--goal-tolerance: nan is not allowed"),
+        (("--goal-tolerance", "0.1,181"), 2, "--goal-tolerance: 0.1,181 is not allowed"),
+        (("--goal-tolerance", "near,5"), 2, "--goal-tolerance: near is not allowed"),
         (("--slope-deg", "44"), 1, "slope"),
         (("--slope-deg", "60"), 2, "0 to 44.9"),
         (("--speed-mps", "0"), 2, "--speed-mps"),

@@ -164,6 +164,12 @@ def test_elevation_grids_beside_a_map(written):
         ({"start": "[0, .inf, 0]"}, "line 7: start: .inf is no finite"),
         ({"goal": "here"}, "line 7: goal: is no list; allowed: [x_m, y_m, yaw_deg]"),
         ({"goal_tolerance": "[-1, 5]"}, "line 7: goal_tolerance: -1 is not allowed; allowed: 0 to 1000"),
+        (
+            {"goal_tolerance": "[0.1, .nan]"},
+            "line 7: goal_tolerance: .nan is no finite decimal number; allowed: 0 to 180",
+        ),
+        ({"goal_tolerance": "[near, 5]"}, "line 7: goal_tolerance: 'near' is no number; allowed: 0 to 1000"),
+        ({"goal_tolerance": "0.1"}, "line 7: goal_tolerance: is no list; allowed: [position_m, yaw_deg]"),
         ({"slope_deg": "45.5"}, "line 7: slope_deg: 45.5 is not allowed; allowed: 0 to 45"),
         ({"slope_deg": "steep"}, "line 7: slope_deg: 'steep' is no number; allowed: 0 to 45"),
         ({"slope_deg": "5", "slope_rad": "0.1"}, "line 8: slope_rad: stands in line 7 as slope_deg"),

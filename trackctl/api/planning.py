@@ -48,6 +48,7 @@ def plan(
     *,
     start: Pose | None = None,
     goal: Pose | None = None,
+    goal_tolerance: tuple[float, float] | None = None,
     slope: float | None = None,
     uphill_yaw: float | None = None,
     lut: str | Path | None = None,
@@ -74,6 +75,8 @@ def plan(
         Profiles; those that the map names are not looked at.
     start, goal
         x, y [m] and yaw [rad], None for the map's own.
+    goal_tolerance
+        How far from the goal [m], and turned by how much [rad], it may end; None for the map's own, or met exactly.
     slope, uphill_yaw
         Of one plane, None for the map's own. [rad]
     lut
@@ -123,13 +126,17 @@ def plan(
     """
     check("slope", slope, slope is None or 0.0 <= slope < STEEPEST_SLOPE, "from 0 to below pi/4")
     check("uphill_yaw", uphill_yaw, uphill_yaw is None or math.isfinite(uphill_yaw), "finite")
+    within = goal_tolerance is None or (0.0 <= goal_tolerance[0] < math.inf and 0.0 <= goal_tolerance[1] <= math.pi)
+    check("goal_tolerance", goal_tolerance, within, "a distance from 0 and an angle from 0 to pi")
     check("gravity", gravity, 0.0 < gravity < math.inf, "above 0")
     check("most_speed", most_speed, most_speed is None or 0.0 < most_speed < math.inf, "above 0")
     check("clearance", clearance, 0.0 <= clearance < math.inf, "0 or more")
     check("time_limit", time_limit, 0.0 < time_limit < math.inf, "above 0")
     check("iterations", iterations, iterations is None or iterations > 0, "above 0")
     request = PlanRequest(
-        planning_map=changed_map(planning_map, (), start=start, goal=goal, slope=slope, uphill_yaw=uphill_yaw),
+        planning_map=changed_map(
+            planning_map, (), start=start, goal=goal, goal_tolerance=goal_tolerance, slope=slope, uphill_yaw=uphill_yaw
+        ),
         vehicle=vehicle,
         terrain=terrain,
         gravity=gravity,

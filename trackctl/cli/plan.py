@@ -26,7 +26,10 @@ DEFAULT_TIME_LIMIT = 1.0
 STEEPEST_DEG, FASTEST, WIDEST_CLEARANCE, LONGEST_SEARCH, MOST_ITERATIONS = 44.9, 100.0, 100.0, 3600.0, 10**9
 #: The kernel that tells whether there has been a run.
 SEARCH = "polish.polish"
-POSE = "X,Y,YAW_DEG"
+#: An end as close to the goal is met. [m], [rad]
+MET = 1e-5
+FARTHEST_OFF, MOST_TURNED_DEG = 1000.0, 180.0
+POSE, TOLERANCE = "X,Y,YAW_DEG", "M,DEG"
 
 
 def plan(
@@ -45,7 +48,16 @@ def plan(
     ] = None,
     goal: Annotated[
         str | None,
-        typer.Option("--goal", metavar=POSE, help="Where to stop, met exactly.", show_default="the map's"),
+        typer.Option("--goal", metavar=POSE, help="Where to stop.", show_default="the map's"),
+    ] = None,
+    goal_tolerance: Annotated[
+        str | None,
+        typer.Option(
+            "--goal-tolerance",
+            metavar=TOLERANCE,
+            help="How far from the goal, and turned by how much, it may stop where that is cheaper or all that can be.",
+            show_default="the map's, or met exactly",
+        ),
     ] = None,
     slope_deg: Annotated[
         float | None, typer.Option("--slope-deg", help="Angle of one plane, 0 to 44.9.", show_default="the map's, or 0")
@@ -180,6 +192,7 @@ def plan(
         elevation,
         start=None if start is None else pose_of(start, "--start"),
         goal=None if goal is None else pose_of(goal, "--goal"),
+        goal_tolerance=None if goal_tolerance is None else tolerance_of(goal_tolerance, "--goal-tolerance"),
         slope=None if slope_deg is None else math.radians(slope_deg),
         uphill_yaw=None if uphill_yaw_deg is None else math.radians(uphill_yaw_deg),
         resolution=resolution_m,
@@ -256,6 +269,18 @@ def pose_of(text: str, option: str) -> tuple[float, float, float]:
     return x, y, math.radians(yaw)
 
 
+def tolerance_of(text: str, option: str) -> tuple[float, float]:
+    """``M,DEG``, with the angle in rad."""
+    allowed = f"{TOLERANCE}: 0 to {FARTHEST_OFF:g} m and 0 to {MOST_TURNED_DEG:g} deg"
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise UsageError(option, text, allowed)
+    distance, turn = (number(part, option, allowed) for part in parts)
+    if not (0.0 <= distance <= FARTHEST_OFF and 0.0 <= turn <= MOST_TURNED_DEG):
+        raise UsageError(option, text, allowed)
+    return distance, math.radians(turn)
+
+
 def asked_map(map_file: str, elevation: Path | None, **given: Any) -> Any:
     """The map with what the options give in place of its own."""
     from trackctl.files.elevation_file import read_elevation
@@ -310,6 +335,9 @@ def report(result: PlanResult, quiet: bool) -> None:
         f"{result.first_solution:.3f} s, done after {result.planning:.2f} s",
         quiet,
     )
+    if max(result.goal_distance, result.goal_yaw_error) > MET:
+        off = math.degrees(result.goal_yaw_error)
+        say(f"ends {result.goal_distance:.3f} m and {off:.1f} deg from the goal, within its tolerance", quiet)
     if result.verification is None or result.no_slip is None:
         return
     found, without = result.verification, result.no_slip

@@ -16,6 +16,7 @@ from trackctl.planning.polish import CAPACITY as PIECE_CAPACITY
 from trackctl.planning.polish import Path, measure, new_path, polish
 from trackctl.planning.random_numbers import stream_of
 from trackctl.planning.route import Route
+from trackctl.planning.target import End, Target, copy_end, is_exact, new_end
 from trackctl.planning.tree import new_tree
 
 Array = NDArray[np.float64]
@@ -46,14 +47,19 @@ class Anytime:
         Done so far.
     cost
         Of the best route, infinite without one.
+    slack
+        No end within the tolerance is farther from the surest one. [m]
     """
 
-    def __init__(self, task: Task, start: Pose, goal: Pose, seed: int) -> None:
-        self._task, self._start, self._goal = task, start, goal
+    def __init__(self, task: Task, start: Pose, target: Target, surest: End, seed: int) -> None:
+        self._task, self._start, self._target = task, start, target
+        self.slack = 0.0 if is_exact(target) else 2.0 * (target.distance + target.lead)
         self._tree = new_tree(NODE_CAPACITY, start)
         self._growth = Growth(
             stream=stream_of(seed),
-            goal=goal,
+            target=target,
+            surest=surest,
+            slack=self.slack,
             reach=REACH * float(task.radii[0]),
             way=new_way(),
             shot=new_way(),
@@ -62,6 +68,8 @@ class Anytime:
             guide=np.empty((0, 2)),
             last=np.array([-1, 0]),
             solution=new_way(),
+            aimed=End(surest.route.copy(), surest.body.copy()),
+            end=new_end(),
         )
         self._best, self._trial = new_path(), new_path()
         self._polishing: Path | None = None
@@ -95,6 +103,11 @@ class Anytime:
         count = int(self._best.piece_count[0])
         return Route(self._start, *(part[:count].copy() for part in self._best.pieces))
 
+    def goal(self) -> Pose:
+        """Where the body is to be at the end of the best route's plan: x, y [m] and yaw. [rad]"""
+        x, y, yaw = self._best.end.body.tolist()
+        return x, y, yaw
+
     def _grow(self, count: int) -> None:
         done, found = grow(self._task, self._tree, self._growth, count)
         self.iterations += done
@@ -117,7 +130,7 @@ class Anytime:
         self._growth.bound[0] = ROUGHNESS * self.cost
 
     def _polish(self, path: Path, count: int) -> None:
-        cost = polish(self._task, path, self._growth.stream, self._goal, count)
+        cost = polish(self._task, path, self._growth.stream, self._target, count)
         self.iterations += count
         self._polished += count
         self._take_if_better()
@@ -153,4 +166,5 @@ class Anytime:
         for place, values in zip(trial.pieces, (curvature, length, pivot), strict=True):
             place[: used.size] = values[used]
         trial.piece_count[0] = used.size
+        copy_end(growth.end, trial.end)
         measure(self._task, trial, self._start)

@@ -16,6 +16,7 @@ from trackctl.planning.families import arc_to_point, way_to_point
 from trackctl.planning.pieces import Task, Way, free_length, pivot_is_free, way_cost
 from trackctl.planning.pose import advanced, wrapped
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
+from trackctl.planning.target import End, Target, copy_end, draw_end, is_exact
 from trackctl.planning.tree import Tree, add_node, nearest
 
 Array = NDArray[np.float64]
@@ -41,8 +42,12 @@ class Growth(NamedTuple):
     ----------
     stream
         Random numbers.
-    goal
-        x, y, tangent. [m], [rad]
+    target
+        Goal and tolerance.
+    surest
+        The end that is closest to the goal and will do.
+    slack
+        No end is farther from the surest one. [m]
     reach
         Longest extension. [m]
     way, shot
@@ -57,10 +62,14 @@ class Growth(NamedTuple):
         Node that the best solution leaves the tree at, -1 without one, and the number of pieces from there.
     solution
         Those pieces.
+    aimed, end
+        Ends: the one that is aimed at now, and that of the best solution.
     """
 
     stream: Stream
-    goal: tuple[float, float, float]
+    target: Target
+    surest: End
+    slack: float
     reach: float
     way: Way
     shot: Way
@@ -69,14 +78,16 @@ class Growth(NamedTuple):
     guide: Array
     last: NDArray[np.int64]
     solution: Way
+    aimed: End
+    end: End
 
 
 @borrowing_kernel
 def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     """A point that the mass centre might be at, on a way straight to it and on that is short enough."""
-    obstacles, stream, goal = task.obstacles, growth.stream, growth.goal
+    obstacles, stream, goal = task.obstacles, growth.stream, growth.surest.route
     n_rows, n_columns = obstacles.distance.shape
-    longest = growth.bound[0] / task.least_rate
+    longest = growth.bound[0] / task.least_rate + growth.slack
     x, y = goal[0], goal[1]
     if growth.guide.shape[0] > 0 and uniform(stream) < GUIDE_SHARE:
         i = int(uniform(stream) * growth.guide.shape[0])
@@ -171,23 +182,28 @@ def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
 @borrowing_kernel
 def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
     """Bound of the cost from start to goal past a node: straight on from there."""
-    distance = math.hypot(growth.goal[0] - tree.x[node], growth.goal[1] - tree.y[node])
+    goal = growth.surest.route
+    distance = max(0.0, math.hypot(goal[0] - tree.x[node], goal[1] - tree.y[node]) - growth.slack)
     return float(tree.cost[node] + distance * task.least_rate)
 
 
 @borrowing_kernel
 def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
-    """Connect a node to the goal exactly, if that makes a better solution: by the smallest radius and another one."""
+    """Connect a node to an end exactly, if that makes a better solution: by the smallest radius and another one."""
     found = False
     start = tree.x[node], tree.y[node], tree.tangent[node], tree.gear[node]
     other = task.radii[1 + int(uniform(growth.stream) * (task.radii.size - 1))]
     for radius in (task.radii[0], other):
         bound = min(growth.best[0], growth.bound[0]) - tree.cost[node]
-        cost, count = connect(task, start, growth.goal, radius, bound, growth.shot)
+        if not is_exact(growth.target):
+            draw_end(task, growth.target, growth.surest, growth.stream, growth.aimed)
+        goal = growth.aimed.route[0], growth.aimed.route[1], growth.aimed.route[2]
+        cost, count = connect(task, start, goal, radius, bound, growth.shot)
         if cost < bound:
             found = True
             growth.best[0] = tree.cost[node] + cost
             growth.last[0], growth.last[1] = node, count
+            copy_end(growth.aimed, growth.end)
             for i in range(count):
                 growth.solution.curvature[i] = growth.shot.curvature[i]
                 growth.solution.length[i] = growth.shot.length[i]

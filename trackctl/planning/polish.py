@@ -13,6 +13,7 @@ from trackctl.planning.connection import connect
 from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way, pivot_cost
 from trackctl.planning.pose import advanced
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
+from trackctl.planning.target import End, Target, copy_end, draw_beside, is_exact, new_end
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -28,6 +29,8 @@ COARSE_COST = 1.001
 SHORTEST = 0.2
 #: Share of replacements of the whole path.
 WHOLE_SHARE = 0.05
+#: Share of replacements up to the end, and of those that move it, where the goal has a tolerance.
+END_SHARE, MOVED_SHARE = 0.3, 0.8
 #: Share of replacements past a point beside the way.
 BESIDE_SHARE = 0.7
 #: Decades over which the point's offset is spread, below the length of the stretch.
@@ -53,6 +56,10 @@ class Path(NamedTuple):
         Before each piece.
     piece_count
         Shape (1,).
+    end
+        Where it ends.
+    moved
+        Work space: where it might end.
     first, second
         Work space: ways to and from a point beside the path.
     spare
@@ -67,6 +74,8 @@ class Path(NamedTuple):
     position: Array
     cost: Array
     piece_count: Indices
+    end: End
+    moved: End
     first: Way
     second: Way
     spare: Way
@@ -77,7 +86,7 @@ def new_path() -> Path:
     x, y, tangent, position, cost = (np.zeros(CAPACITY + 1) for _ in range(5))
     gear, count = np.zeros(CAPACITY + 1, np.int64), np.zeros(1, np.int64)
     ways = (new_way(CAPACITY), new_way(), new_way(), new_way(CAPACITY))
-    return Path(ways[0], x, y, tangent, gear, position, cost, count, *ways[1:])
+    return Path(ways[0], x, y, tangent, gear, position, cost, count, new_end(), new_end(), *ways[1:])
 
 
 @borrowing_kernel
@@ -217,7 +226,16 @@ def _draw_radius(task: Task, stream: Stream) -> float:
 
 
 @borrowing_kernel
-def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) -> float:
+def _draw_goal(task: Task, target: Target, path: Path, stream: Stream, is_last: bool) -> Pose:
+    """Where a stretch is to end if it is the last: the path's end, or one near it, which is written to `moved`."""
+    moves = is_last and not is_exact(target) and uniform(stream) < MOVED_SHARE
+    if not (moves and draw_beside(task, target, path.end, stream, path.moved)):
+        copy_end(path.end, path.moved)
+    return path.moved.route[0], path.moved.route[1], path.moved.route[2]
+
+
+@borrowing_kernel
+def polish(task: Task, path: Path, stream: Stream, target: Target, iterations: int) -> float:
     """Try to replace random stretches of a path by cheaper ones.
 
     Parameters
@@ -228,8 +246,8 @@ def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) 
         Changed for the better; measured.
     stream
         Random numbers.
-    goal
-        x, y, tangent: the path's exact end. [m], [rad]
+    target
+        Goal and tolerance: within it, the path's end may be moved.
     iterations
         Number of replacements tried.
 
@@ -248,6 +266,9 @@ def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) 
         begin, end = max(0.0, middle - 0.5 * span), min(total, middle + 0.5 * span)
         if uniform(stream) < WHOLE_SHARE:
             begin, end = 0.0, total
+        elif not is_exact(target) and uniform(stream) < END_SHARE:
+            begin, end = max(0.0, total - span), total
+        goal = _draw_goal(task, target, path, stream, end == total)
         radius = _draw_radius(task, stream)
         bound = COARSE_COST * (_cost_at(path, end) - _cost_at(path, begin))
         counts = _detour(task, path, stream, begin, end, goal, radius, bound)
@@ -262,4 +283,6 @@ def polish(task: Task, path: Path, stream: Stream, goal: Pose, iterations: int) 
             _swap(path, max(changed, count))
             path.piece_count[0] = count
             measure(task, path, start)
+        else:
+            copy_end(path.moved, path.end)
     return float(path.cost[path.piece_count[0]])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,7 +28,9 @@ def centred_disc(footprint: Footprint) -> float:
 
 
 @kernel
-def disc_way(obstacles: Obstacles, start: tuple[float, float], goal: tuple[float, float], radius: float) -> Array:
+def disc_way(
+    obstacles: Obstacles, start: tuple[float, float], goal: tuple[float, float], reach: float, radius: float
+) -> Array:
     """Points of the way with the fewest cells that a disc might take; none is certain, for it and all that contains it.
 
     A cell counts as free unless the disc touches the inner circle of a blocked cell from everywhere in it.
@@ -37,6 +41,8 @@ def disc_way(obstacles: Obstacles, start: tuple[float, float], goal: tuple[float
         Distances to blocked cells.
     start, goal
         x, y, in the grid. [m]
+    reach
+        The way may end this far from the goal. [m]
     radius
         Of the disc. [m]
 
@@ -50,6 +56,7 @@ def disc_way(obstacles: Obstacles, start: tuple[float, float], goal: tuple[float
     column, row = cell_position(obstacles, start[0], start[1])
     goal_column, goal_row = cell_position(obstacles, goal[0], goal[1])
     target = int(goal_row) * n_columns + int(goal_column)
+    near = reach / obstacles.resolution + HALF_DIAGONAL if reach > 0.0 else -1.0
     before = np.full(n_rows * n_columns, -1, np.int32)
     queue = np.empty(n_rows * n_columns, np.int32)
     queue[0] = int(row) * n_columns + int(column)
@@ -62,6 +69,8 @@ def disc_way(obstacles: Obstacles, start: tuple[float, float], goal: tuple[float
                 cell = k * n_columns + m
                 if before[cell] < 0 and obstacles.distance[k, m] >= needed:
                     before[cell] = queue[head]
+                    if before[target] < 0 and math.hypot(m + 0.5 - goal_column, k + 0.5 - goal_row) <= near:
+                        target = cell
                     queue[tail] = cell
                     tail += 1
         head += 1

@@ -26,6 +26,7 @@ from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
 from trackctl.planning.slope_field import SlopeField, plane_slope
 from trackctl.planning.steering_limits import SteeringLimits
+from trackctl.planning.target import End, Target, is_exact, nearest_end, new_end
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]
@@ -55,6 +56,10 @@ class Problem:
         To keep between footprint and blocked cells. [m]
     pivot_speed
         Rate of a turn on the spot on level ground; 0: cannot. [rad/s]
+    goal_tolerance
+        Of the position [m] and yaw [rad] of the goal; zeros: it is met exactly.
+    goal_lead
+        Straight to the goal that is left to be driven after the route. [m]
     """
 
     grid: CollisionGrid
@@ -66,6 +71,8 @@ class Problem:
     backward: SteeringLimits | None = None
     clearance: float = 0.0
     pivot_speed: float = 0.0
+    goal_tolerance: tuple[float, float] = (0.0, 0.0)
+    goal_lead: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,13 +113,16 @@ class Improvement:
     cost
         In the units of the settings' cost.
     route
-        From start to goal.
+        From start to goal, but for the lead.
+    goal
+        x, y [m] and yaw [rad] of the body that it leads to, within the tolerance.
     """
 
     elapsed: float
     iteration: int
     cost: float
     route: Route
+    goal: Pose
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -155,6 +165,7 @@ class SearchResult:
 
 def search(problem: Problem, settings: Settings) -> SearchResult:
     """Find a way, and better ones as long as time or iterations last."""
+    load_kernels()
     found = Search(problem, settings)
     found.go_on(settings.iterations, None if settings.iterations is not None else settings.time_limit)
     return found.result()
@@ -189,13 +200,14 @@ class Search:
         elapsed
             Tells the seconds that improvements are noted with; None: since now.
         """
-        load_kernels()
         self._elapsed = elapsed or stopwatch()
         self._problem, self._task = problem, task_of(problem, settings)
         self.improvements: list[Improvement] = []
-        self.reason = _hindrance(problem, self._task)
-        start, goal = (tangent_pose(self._task.ground, pose) for pose in (problem.start, problem.goal))
-        self._state = Anytime(self._task, start, goal, settings.seed)
+        target = target_of(problem)
+        self._end, goal_reason = surest_end(self._task, target)
+        self.reason = _reason_at(self._task, "start", problem.start) or goal_reason
+        start = tangent_pose(self._task.ground, problem.start)
+        self._state = Anytime(self._task, start, target, self._end, settings.seed)
         self._doubted = True
 
     @property
@@ -230,13 +242,18 @@ class Search:
         """A few iterations, and doubt once there are many without a route; their number."""
         state, before = self._state, self._state.iterations
         if state.step(int(min(BATCH, most))):
-            self.improvements.append(Improvement(self._elapsed(), state.iterations, state.cost, state.route()))
+            found = self._elapsed(), state.iterations, state.cost, state.route(), state.goal()
+            self.improvements.append(Improvement(*found))
         elif self._doubted and not self.improvements and state.iterations >= DOUBT:
             self._doubted = False
-            guide = _guide(self._problem, self._task)
-            state.follow(guide)
-            self.reason = "" if guide.size else _separation(self._problem, self._task)
+            self.follow_guide()
         return state.iterations - before
+
+    def follow_guide(self) -> None:
+        """Grow trees by the way of a disc; without one, give up."""
+        guide = self._guide()
+        self._state.follow(guide)
+        self.reason = "" if guide.size else _separation(self._problem, self._task)
 
     def result(self) -> SearchResult:
         """What has come of it so far."""
@@ -248,9 +265,15 @@ class Search:
     def _reason_so_far(self) -> str:
         if self.reason or self.improvements:
             return self.reason
-        if not _guide(self._problem, self._task).size:
+        if not self._guide().size:
             return _separation(self._problem, self._task)
         return f"goal not reached: no connection in {self.iterations} iterations"
+
+    def _guide(self) -> Array:
+        """Way of the largest disc about the mass centre within the footprint, shape (n, 2); empty if it has none."""
+        start, goal = self._problem.start, self._end.route
+        place, reach = (float(goal[0]), float(goal[1])), self._state.slack
+        return disc_way(self._task.obstacles, (start[0], start[1]), place, reach, self._task.inner_radius)
 
 
 def empty_room() -> Problem:
@@ -265,13 +288,9 @@ def empty_room() -> Problem:
 @functools.cache
 def load_kernels() -> None:
     """Compile the kernels of a search, or load them, by crossing an empty room: no clock should count that."""
-    problem = empty_room()
-    task = task_of(problem, Settings())
-    _hindrance(problem, task)
-    state = Anytime(task, tangent_pose(task.ground, problem.start), tangent_pose(task.ground, problem.goal), 0)
-    state.follow(_guide(problem, task))
-    for _ in range(2):
-        state.step(1)
+    found = Search(empty_room(), Settings())
+    found.follow_guide()
+    found.go_on(2, None)
 
 
 def task_of(problem: Problem, settings: Settings) -> Task:
@@ -297,25 +316,33 @@ def task_of(problem: Problem, settings: Settings) -> Task:
     )
 
 
+def target_of(problem: Problem) -> Target:
+    """The goal and its tolerance as the kernels read them."""
+    return Target(*map(float, (*problem.goal, *problem.goal_tolerance, problem.goal_lead)))
+
+
 def tangent_pose(ground: Ground, pose: Pose) -> Pose:
     """The pose with the tangent of straight driving in place of the body's yaw."""
     x, y, yaw = map(float, pose)
     return x, y, float(straight_tangent(ground, ground.forward, x, y, yaw))
 
 
-def _hindrance(problem: Problem, task: Task) -> str:
-    """Why no search can succeed; empty if nothing is known."""
-    for name, pose in (("start", problem.start), ("goal", problem.goal)):
-        reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose)
-        if reason:
-            return f"{name}: {reason}"
-    return ""
+def surest_end(task: Task, target: Target) -> tuple[End, str]:
+    """The goal itself or, where that will not do, an end close to it; and why neither will do."""
+    x, y, yaw = target.x, target.y, target.yaw
+    if target.lead:
+        tangent = float(straight_tangent(task.ground, task.ground.forward, x, y, yaw))
+        x, y = x - target.lead * math.cos(tangent), y - target.lead * math.sin(tangent)
+    reason = _reason_at(task, "goal", (x, y, yaw))
+    if reason and not is_exact(target) and (near := nearest_end(task, target)) is not None:
+        return near, ""
+    return new_end(tangent_pose(task.ground, (x, y, yaw)), (target.x, target.y, target.yaw)), reason
 
 
-def _guide(problem: Problem, task: Task) -> Array:
-    """Way of the largest disc about the mass centre within the footprint, shape (n, 2); empty if it has none."""
-    start, goal = problem.start, problem.goal
-    return disc_way(task.obstacles, (start[0], start[1]), (goal[0], goal[1]), task.inner_radius)
+def _reason_at(task: Task, name: str, pose: Pose) -> str:
+    """Why nothing can be driven from or to a pose; empty if nothing is known."""
+    reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose)
+    return f"{name}: {reason}" if reason else ""
 
 
 def _separation(problem: Problem, task: Task) -> str:

@@ -26,6 +26,7 @@ from trackctl.planning.slope_field import SlopeField
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.surface_line import is_plane
 from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhere, searched, table_limits
+from trackctl.planning.target import Target, is_clear_somewhere, is_exact
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.compile_ahead import Wait, make_ready
@@ -106,6 +107,8 @@ class PlanResult:
         Of the tree.
     min_clearance
         Least distance of the footprint from blocked cells. [m]
+    goal_distance, goal_yaw_error
+        How far from the goal it ends, and turned by how much either way. [m], [rad]
     grid, outline
         Blocked cells, and the footprint about the mass centre, shape (n, 2). [m]
     verification, no_slip
@@ -120,6 +123,8 @@ class PlanResult:
     cost: float
     nodes: int
     min_clearance: float
+    goal_distance: float
+    goal_yaw_error: float
     grid: CollisionGrid
     outline: Array
     verification: Verification | None
@@ -209,7 +214,8 @@ def plan(
     exact = obstacles_of(grid, footprint_of(outline))
     roomy = obstacles_of(grid, footprint_of(outline), request.clearance)
     check_pose(request, roomy, "start", start)
-    check_pose(request, roomy, "goal", goal)
+    tolerance = request.planning_map.goal_tolerance or (0.0, 0.0)
+    check_goal(request, roomy, Target(*goal, *tolerance, 0.0))
     forward, backward = steering(request, ground, compiling)
     if not is_feasible_somewhere(forward):
         raise NoAnswerError(infeasible_ground(request, ground))
@@ -225,6 +231,7 @@ def plan(
         searched(forward),
         None if backward is None else searched(backward),
         request.clearance,
+        goal_tolerance=tolerance,
     )
     # What is to be compiled or loaded is no part of the time that a search may take.
     make_ready("driving")
@@ -249,6 +256,8 @@ def plan(
         driven.cost,
         found.nodes,
         clearance,
+        math.dist((rows.x[-1], rows.y[-1]), goal[:2]),
+        abs(math.remainder(rows.yaw[-1] - goal[2], 2.0 * math.pi)),
         grid,
         outline,
         verification,
@@ -284,6 +293,15 @@ def check_pose(request: PlanRequest, obstacles: Obstacles, name: str, pose: Pose
         raise NoAnswerError(f"{name}: the footprint{room} touches {describe_cell(request.planning_map, row, column)}")
 
 
+def check_goal(request: PlanRequest, obstacles: Obstacles, target: Target) -> None:
+    """Refuse a goal if the footprint touches something at every pose within its tolerance."""
+    if is_exact(target):
+        check_pose(request, obstacles, "goal", target[:3])
+    elif not is_clear_somewhere(obstacles, target):
+        within = f"goal, anywhere within {target.distance:g} m and {math.degrees(target.turn):g} deg"
+        check_pose(request, obstacles, within, target[:3])
+
+
 def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
     """Why nothing can be driven."""
     low, high = (math.degrees(slope) for slope in slope_range(field))
@@ -305,6 +323,8 @@ def summary_of(result: PlanResult) -> dict[str, object]:
         "cost": result.cost,
         "nodes": result.nodes,
         "min_clearance_m": result.min_clearance,
+        "goal_distance_m": result.goal_distance,
+        "goal_yaw_error_rad": result.goal_yaw_error,
         "reason": "",
     }
     if result.verification is not None and result.no_slip is not None:

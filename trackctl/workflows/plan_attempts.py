@@ -47,14 +47,14 @@ def slope_range(field: SlopeField) -> tuple[float, float]:
 
 def led_in(model: DriveModel, problem: Problem) -> Problem:
     """The problem from half a blend ahead of the start to half a blend short of the goal, driven straight."""
-    poses = []
-    for pose, sense in ((problem.start, 0.5), (problem.goal, -0.5)):
-        x, y, yaw = pose
+    ways = []
+    for x, y, _ in (problem.start, problem.goal):
         slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
-        way = sense * min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)
-        tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
-        poses.append((x + way * math.cos(tangent), y + way * math.sin(tangent), yaw))
-    return replace(problem, start=poses[0], goal=poses[1])
+        ways.append(0.5 * min(LONG_BLENDS) * blend_length(model, slope, model.sharpest))
+    x, y, yaw = problem.start
+    tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
+    start = x + ways[0] * math.cos(tangent), y + ways[0] * math.sin(tangent), yaw
+    return replace(problem, start=start, goal_lead=ways[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -134,7 +134,7 @@ def driven_plan(
             allowance.let(search, driving.share)
             driving.drive_one(search, [(search.improvements[-1], long) for long in (*LONG_BLENDS, 1.0)])
     for attempt, search in zip(planned, searches, strict=False):
-        if driving.best is None and (attempt.start, attempt.goal) == (problem.start, problem.goal):
+        if driving.best is None and (attempt.start, attempt.goal_lead) == (problem.start, 0.0):
             driving.drive_with_jumps(search)
     if driving.best is None:
         raise NoAnswerError(driving.reason(searches))
@@ -216,7 +216,7 @@ class Driving:
         self._tried.add((improvement, longer))
         begin = self._allowance.elapsed()
         try:
-            lines = drive_route(self._model, improvement.route, self._problem.start, self._problem.goal, longer)
+            lines = drive_route(self._model, improvement.route, self._problem.start, improvement.goal, longer)
         except UndrivableError as error:
             self._reasons.append(f"a way was found but cannot be driven: {error}")
             return False
@@ -228,7 +228,7 @@ class Driving:
         """Drive the best route of a search from pose to pose that can be driven with its jumps of curvature."""
         for improvement in search.improvements[::-1][:MOST_ROUTES]:
             try:
-                lines = drive_jumps(self._model, improvement.route, self._problem.start, self._problem.goal)
+                lines = drive_jumps(self._model, improvement.route, self._problem.start, improvement.goal)
             except UndrivableError as error:
                 self._without_blends.append(f"nor without blends: {error}")
             else:

@@ -8,7 +8,8 @@ import numpy as np
 
 from trackctl.planning.blending import Line
 from trackctl.planning.ground import straight_tangent
-from trackctl.planning.search import Problem, load_kernels
+from trackctl.planning.search import Problem, Settings, load_kernels, target_of, task_of
+from trackctl.planning.target import nearest_end
 from trackctl.workflows.plan_drive import DriveModel, UndrivableError, check_clear, check_roughly, drive_line
 
 #: Length of a line that is driven to this end, over the contact length.
@@ -18,6 +19,8 @@ SHORT = 0.25
 def load_plan_kernels(model: DriveModel, problem: Problem) -> None:
     """Compile the kernels of search and driving, or load them: by a small search, and a short line from the start."""
     load_kernels()
+    if any(problem.goal_tolerance):
+        nearest_end(task_of(problem, Settings()), target_of(problem))
     load_driving_kernels(model, problem.start)
 
 
