@@ -122,6 +122,29 @@ def test_a_gap_just_wider_than_the_vehicle_is_found_and_a_narrower_one_ruled_out
     assert result.iterations < 2000
 
 
+def test_cells_that_touch_at_their_corners_close_off():
+    blocked = np.zeros((10, 10), bool)
+    blocked[:5, 5] = blocked[5:, 4] = True
+    result = search(level_problem(blocked, (5.0, 10.0, 0.0), (15.0, 10.0, 0.0), 2.0), Settings(iterations=2000))
+    assert "close off" in result.reason
+    blocked[4, 5] = False
+    checked(
+        problem := level_problem(blocked, (5.0, 9.0, 0.0), (15.0, 9.0, 0.0), 2.0),
+        search(problem, Settings(iterations=500)),
+    )
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_long_winding_way_is_grown_along_its_guide(seed):
+    """Through six walls with gaps of 3 m at alternating ends; drawn anywhere, points take more than 25,000 tries."""
+    blocked = np.zeros((300, 300), bool)
+    for k, column in enumerate(range(45, 300, 50)):
+        blocked[:, column : column + 5] = True
+        blocked[slice(10, 40) if k % 2 else slice(260, 290), column : column + 5] = False
+    problem = level_problem(blocked, (2.0, 2.0, 1.5), (28.0, 15.0, -1.5))
+    checked(problem, search(problem, Settings(seed=seed, iterations=8000)))
+
+
 def test_one_seed_and_number_of_iterations_give_one_route():
     problem = level_problem(forest(1), (2.0, 2.0, 0.8), (18.0, 18.0, 0.8))
     first, again, other = (search(problem, Settings(seed=seed, iterations=2000)) for seed in (5, 5, 6))

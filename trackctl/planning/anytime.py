@@ -26,6 +26,8 @@ Pose = tuple[float, float, float]
 NODE_CAPACITY = 50_000
 #: Longest extension, in smallest radii.
 REACH = 3.5
+#: How far ahead on the guide points are drawn, in longest extensions.
+AHEAD = 2.0
 #: Iterations of a step.
 BATCH = 64
 #: Iterations that a new way is polished for before it is compared, and what it may then lack to go on.
@@ -66,6 +68,7 @@ class Anytime:
             best=np.array([np.inf]),
             bound=np.array([np.inf]),
             guide=np.empty((0, 2)),
+            frontier=np.zeros(2, np.int64),
             last=np.array([-1, 0]),
             solution=new_way(),
             aimed=End(surest.route.copy(), surest.body.copy()),
@@ -96,7 +99,9 @@ class Anytime:
 
     def follow(self, guide: Array) -> None:
         """Grow trees by some points from now on."""
+        spacing = np.hypot(*np.diff(guide, axis=0).T).mean() if len(guide) > 1 else math.inf
         self._growth = self._growth._replace(guide=guide)
+        self._growth.frontier[:] = len(guide) - 1, AHEAD * self._growth.reach / spacing + 1.0
 
     def route(self) -> Route:
         """The best route so far."""
@@ -126,6 +131,7 @@ class Anytime:
         self._finished_nodes += int(self._tree.size[0])
         self._tree.size[0] = 1
         self._grown = 0
+        self._growth.frontier[0] = len(self._growth.guide) - 1
         self._growth.best[0] = np.inf
         self._growth.bound[0] = ROUGHNESS * self.cost
 

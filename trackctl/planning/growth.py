@@ -25,6 +25,8 @@ Array = NDArray[np.float64]
 GOAL_SHARE = 0.1
 #: Share of samples drawn about the guide, and the decades over which their distances from it are spread.
 GUIDE_SHARE, GUIDE_DECADES = 0.5, 2.0
+#: Share of these that is drawn where the tree might get on along the guide.
+FRONTIER_SHARE = 0.7
 #: Tries to draw a point that is not blocked.
 TRIES = 100
 #: Share of extensions by a single arc, where that is not too tight.
@@ -58,6 +60,8 @@ class Growth(NamedTuple):
         Cost that a node's way to the goal must be able to stay below, shape (1,).
     guide
         Points to grow by, shape (n, 2), none at first: the way of a disc, where the first tree takes long. [m]
+    frontier
+        Index of the guide's point that the tree has come to, and the number of points that are drawn next.
     last
         Node that the best solution leaves the tree at, -1 without one, and the number of pieces from there.
     solution
@@ -76,10 +80,31 @@ class Growth(NamedTuple):
     best: Array
     bound: Array
     guide: Array
+    frontier: NDArray[np.int64]
     last: NDArray[np.int64]
     solution: Way
     aimed: End
     end: End
+
+
+@borrowing_kernel
+def _guide_point(growth: Growth) -> int:
+    """Index of any point of the guide, or of one about the frontier."""
+    stream, last = growth.stream, growth.guide.shape[0] - 1
+    if uniform(stream) >= FRONTIER_SHARE:
+        return int(uniform(stream) * (last + 1))
+    ahead = int(growth.frontier[1] * between(stream, -1.0, 0.5))
+    return int(min(last, max(0, growth.frontier[0] + ahead)))
+
+
+@borrowing_kernel
+def _advance(task: Task, tree: Tree, growth: Growth, node: int) -> None:
+    """Move the frontier on to the farthest point of the guide that a node has come near to."""
+    frontier = growth.frontier[0]
+    for i in range(max(0, frontier - growth.frontier[1]), frontier):
+        if math.hypot(growth.guide[i, 0] - tree.x[node], growth.guide[i, 1] - tree.y[node]) < task.radii[0]:
+            growth.frontier[0] = i
+            break
 
 
 @borrowing_kernel
@@ -90,7 +115,7 @@ def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     longest = growth.bound[0] / task.least_rate + growth.slack
     x, y = goal[0], goal[1]
     if growth.guide.shape[0] > 0 and uniform(stream) < GUIDE_SHARE:
-        i = int(uniform(stream) * growth.guide.shape[0])
+        i = _guide_point(growth)
         spread = growth.reach * 10.0 ** (-GUIDE_DECADES * uniform(stream))
         return growth.guide[i, 0] + spread * normal(stream), growth.guide[i, 1] + spread * normal(stream)
     about_goal = uniform(stream) < GOAL_SHARE
@@ -176,7 +201,10 @@ def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
     cost = way_cost(task, start[0], start[1], start[2], tree.gear[node], growth.way, count, np.inf)
     if not tree.cost[node] + cost < growth.bound[0]:
         return -1
-    return add_node(tree, node, growth.way, count, cost)
+    added = add_node(tree, node, growth.way, count, cost)
+    if added > 0:
+        _advance(task, tree, growth, added)
+    return added
 
 
 @borrowing_kernel

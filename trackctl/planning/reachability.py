@@ -53,6 +53,8 @@ def disc_way(
     """
     n_rows, n_columns = obstacles.distance.shape
     needed = radius + obstacles.margin + (0.5 - HALF_DIAGONAL) * obstacles.resolution
+    # Of wide cells too, the centre is in none that is blocked.
+    needed = max(needed, 0.5 * obstacles.resolution)
     column, row = cell_position(obstacles, start[0], start[1])
     goal_column, goal_row = cell_position(obstacles, goal[0], goal[1])
     target = int(goal_row) * n_columns + int(goal_column)
@@ -67,7 +69,9 @@ def disc_way(
         for k in range(max(i - 1, 0), min(i + 2, n_rows)):
             for m in range(max(j - 1, 0), min(j + 2, n_columns)):
                 cell = k * n_columns + m
-                if before[cell] < 0 and obstacles.distance[k, m] >= needed:
+                # Where neither cell beside a corner is free, nothing gets past the corner.
+                passes = obstacles.distance[i, m] >= needed or obstacles.distance[k, j] >= needed
+                if before[cell] < 0 and passes and obstacles.distance[k, m] >= needed:
                     before[cell] = queue[head]
                     if before[target] < 0 and math.hypot(m + 0.5 - goal_column, k + 0.5 - goal_row) <= near:
                         target = cell

@@ -250,10 +250,13 @@ class Search:
         return state.iterations - before
 
     def follow_guide(self) -> None:
-        """Grow trees by the way of a disc; without one, give up."""
-        guide = self._guide()
+        """Grow trees by the way of the widest of some discs; where not even the smallest has one, give up."""
+        task = self._task
+        widths = sorted((float(task.radii[0]), task.obstacles.footprint.reach, task.inner_radius), reverse=True)
+        guides = (self._guide(radius) for radius in widths if radius >= task.inner_radius)
+        guide = next((each for each in guides if each.size), np.empty((0, 2)))
+        self.reason = "" if guide.size else _separation(self._problem, task)
         self._state.follow(guide)
-        self.reason = "" if guide.size else _separation(self._problem, self._task)
 
     def result(self) -> SearchResult:
         """What has come of it so far."""
@@ -265,15 +268,15 @@ class Search:
     def _reason_so_far(self) -> str:
         if self.reason or self.improvements:
             return self.reason
-        if not self._guide().size:
+        if not self._guide(self._task.inner_radius).size:
             return _separation(self._problem, self._task)
         return f"goal not reached: no connection in {self.iterations} iterations"
 
-    def _guide(self) -> Array:
-        """Way of the largest disc about the mass centre within the footprint, shape (n, 2); empty if it has none."""
+    def _guide(self, radius: float) -> Array:
+        """Way of a disc of some radius [m], shape (n, 2); empty if it has none."""
         start, goal = self._problem.start, self._end.route
         place, reach = (float(goal[0]), float(goal[1])), self._state.slack
-        return disc_way(self._task.obstacles, (start[0], start[1]), place, reach, self._task.inner_radius)
+        return disc_way(self._task.obstacles, (start[0], start[1]), place, reach, radius)
 
 
 def empty_room() -> Problem:
