@@ -1,5 +1,6 @@
 """How attempts share the time, counted by a clock of its own: a reading takes a millisecond, a drive longer."""
 
+import math
 from dataclasses import replace
 from types import SimpleNamespace
 
@@ -86,6 +87,17 @@ def test_the_limit_is_kept_without_an_answer_too(plan):
     words = "a way was found but cannot be driven: not this one; nor without blends: nor this; more time may help"
     assert found == words
     assert LIMIT <= world.now <= LIMIT + (len(LONG_BLENDS) + 2) * DRIVE + 10 * READING
+
+
+def test_nothing_found_is_told_once_the_time_is_up(plan):
+    """A lane too narrow to turn round in: no search knows that there is no way."""
+    lane = np.ones((120, 120), bool)
+    lane[52:68] = False
+    nowhere = level_problem(lane, (8.0, 6.0, 0.0), (3.0, 6.0, math.pi))
+    world, found = plan(lambda attempt, longer, now: True, [nowhere] * 2, time_limit=LIMIT)
+    assert "goal not reached: no connection in" in found
+    assert found.endswith("more time may help")
+    assert LIMIT <= world.now <= LIMIT + 10 * READING
 
 
 def test_attempts_have_a_second_turn_when_time_is_left(plan):

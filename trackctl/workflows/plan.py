@@ -236,6 +236,8 @@ def plan(
     # What is to be compiled or loaded is no part of the time that a search may take.
     make_ready("driving")
     wait("search")
+    if request.pivot and model.spot is not None:
+        make_ready("simulation")
     load_plan_kernels(model, problem)
     begin = time.perf_counter()
     driven = driven_plan(model, problem, request.search, searching, request.pivot)

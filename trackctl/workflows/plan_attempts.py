@@ -132,7 +132,9 @@ def driven_plan(
     while allowance.is_timed and not allowance.is_used_up and (hopeful := driving.worth_going_on(searches)):
         for search in hopeful:
             allowance.let(search, driving.share)
-            driving.drive_one(search, [(search.improvements[-1], long) for long in (*LONG_BLENDS, 1.0)])
+            driving.drive_one(
+                search, [(each, long) for each in search.improvements[-1:] for long in (*LONG_BLENDS, 1.0)]
+            )
     for attempt, search in zip(planned, searches, strict=False):
         if driving.best is None and (attempt.start, attempt.goal_lead) == (problem.start, 0.0):
             driving.drive_with_jumps(search)

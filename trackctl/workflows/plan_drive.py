@@ -235,11 +235,11 @@ def settled(
         tangents = found
         if moved < SETTLED:
             break
-    return with_turns(model, driven, turns, first)
+    return with_turns(model, driven, turns, ends[0])
 
 
 def with_turns(model: DriveModel, driven: Sequence[DrivenLine], turns: Array, start: Pose) -> list[Driven]:
-    """Driven lines with the turns on the spot before, between and after them; from x, y [m] and tangent. [rad]"""
+    """Driven lines with the turns on the spot before, between and after them; from x, y [m] and yaw. [rad]"""
     parts: list[Driven] = []
     pose = start
     for angle, line in zip_longest(turns.tolist(), driven):
@@ -247,8 +247,8 @@ def with_turns(model: DriveModel, driven: Sequence[DrivenLine], turns: Array, st
             parts.append(driven_turn(model, pose, angle))
         if line is not None:
             parts.append(line)
-            x, y, direction = line.line.end
-            pose = x, y, direction - math.pi if line.line.backwards else direction
+            x, y, yaw, _ = map_poses(line)
+            pose = float(x[-1]), float(y[-1]), float(yaw[-1])
     return parts
 
 
