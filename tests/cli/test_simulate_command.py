@@ -2,8 +2,10 @@ import csv
 import io
 import json
 import math
+from pathlib import Path
 
 import pytest
+import yaml
 from solved_tables import solved_table
 from typer.testing import CliRunner
 
@@ -119,6 +121,45 @@ def test_a_plan_starts_on_its_target_and_is_measured_against_it(run, tmp_path):
     assert json.loads(result.stdout)["max_deviation_m"] < 0.02
     first = rows((tmp_path / "out.csv").read_text())[0]
     assert [first[key] for key in ("x_m", "y_m", "forward_velocity_mps")] == [1.0, 2.0, 0.5]
+
+
+def turn_from_rest(first_speed):
+    """A plan of a turn of 3 m, faster and faster from its first row on, which moves at so small a speed. [m/s]"""
+    header = "time_s,x_m,y_m,yaw_rad,velocity_mps,track_speed_left_mps,track_speed_right_mps,sideslip_rad"
+    lines = [header]
+    for row in range(12):
+        time, speed = 0.3 * row, max(0.2 * 0.3 * row, first_speed)
+        yaw = 0.1 * time**2 / 3.0
+        x, y = 3.0 * math.sin(yaw), 3.0 * (1.0 - math.cos(yaw))
+        lines.append(f"{time},{x},{y},{yaw},{speed},{0.9 * speed},{1.1 * speed},0")
+    return "\n".join(lines)
+
+
+@pytest.mark.parametrize("feedback", ["none", "pose"])
+def test_a_plan_that_starts_at_rest_starts_at_rest(run, feedback):
+    """Its yaw rate there is none, though the yaw differs between the first two rows."""
+    words = ("-", "--json", "--feedback", feedback)
+    found = {
+        (speed, rtol): json.loads(run(*words, "--rtol", rtol, stdin=turn_from_rest(speed)).stdout)
+        for speed, rtol in ((0.0, "1e-4"), (0.0, "1e-6"), (0.0, "1e-8"), (1e-8, "1e-6"), (3e-17, "1e-6"))
+    }
+    exact = found[0.0, "1e-8"]["max_deviation_m"]
+    assert 0.0 < exact < 0.3
+    for result in found.values():
+        assert result["problem"] is None
+        assert result["max_deviation_m"] == pytest.approx(exact, rel=0.02)
+
+
+def test_a_simulation_that_ends_early_tells_why_and_no_deviation(run, tmp_path):
+    (tmp_path / "plan.csv").write_text(turn_from_rest(0.0))
+    vehicle = yaml.safe_load((Path(__file__).parents[2] / "vehicles" / "utv-61cm.yaml").read_text())
+    (tmp_path / "tall.yaml").write_text(yaml.safe_dump(vehicle | {"cog_height_m": 0.5}))
+    result = run("plan.csv", "--slope-deg", 25, "--vehicle", "tall.yaml", "--json", "-o", "out.csv")
+    assert result.exit_code == 1
+    found = json.loads(result.stdout)
+    assert found["max_deviation_m"] is None
+    assert found["problem"] in result.stderr
+    assert "largest distance" not in result.stderr
 
 
 @pytest.mark.parametrize(

@@ -188,6 +188,16 @@ def test_contact_remembers_where_shoes_have_entered():
     assert checked > 5
 
 
+@pytest.mark.parametrize("plateau", [3e-16, 1e-13, 1e-11, 1e-8, 1e-5])
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8])
+def test_pieces_of_next_to_no_length_change_nothing(plateau, tolerance):
+    time, speed = [0.0, 0.5, 0.5 + plateau, 1.0], np.array([0.0, 0.5, 0.5, 0.0])
+    simulation, end = drive_along(slope_scene(12.13), time, speed, 1.1 * speed, tolerance=tolerance)
+    triangle, _ = drive_along(slope_scene(12.13), [0.0, 0.5, 1.0], speed[[0, 1, 3]], 1.1 * speed[[0, 1, 3]])
+    assert end is End.DONE
+    np.testing.assert_allclose(simulation.pose, triangle.pose, atol=10.0 * tolerance + plateau + 1e-6)
+
+
 def test_loads_come_from_the_accelerations():
     """N_left = W/2 + (h/B) m (g_y - a_y), N_left + N_right = W, on level ground in a steady turn."""
     ground = slope_scene(0)

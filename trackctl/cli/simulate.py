@@ -291,5 +291,5 @@ def report(result: SimulateResult, quiet: bool) -> None:
         radii = ", ".join(f"{lap.radius:.4f}" for lap in result.laps)
         drift = "" if result.drift is None else f"; drift {result.drift:.4f} m a lap"
         say(f"{len(result.laps)} laps of radius {radii} m{drift}", quiet)
-    if result.max_deviation is not None:
+    if result.max_deviation is not None and not result.problem:
         say(f"largest distance from the target {result.max_deviation:.4f} m", quiet)

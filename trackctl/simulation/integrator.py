@@ -30,22 +30,12 @@ SETTLED = 1e-7
 
 
 @kernel
-def settle(scene: Scene, run: Run, piece: Pieces, memory: Memory, entries: Entries) -> None:
-    """Rates at the start of a piece, consistent with the loads that they make."""
+def settle(scene: Scene, run: Run, left: float, right: float, memory: Memory, entries: Entries) -> None:
+    """Rates where the run stands, at track speeds [m/s], consistent with the loads that they make."""
     for k in range(3):
         run.poses[0, k], run.velocities[0, k] = run.pose[k], run.velocity[k]
     for _ in range(20):
-        vehicle_rates(
-            scene,
-            run.poses[0],
-            run.velocities[0],
-            run.rate,
-            piece.left[0],
-            piece.right[0],
-            memory,
-            entries,
-            run.force_rate,
-        )
+        vehicle_rates(scene, run.poses[0], run.velocities[0], run.rate, left, right, memory, entries, run.force_rate)
         run.evaluations += 1
         change = 0.0
         for k in range(3):
@@ -70,7 +60,7 @@ def begin(scene: Scene, run: Run, piece: Pieces, memory: Memory, entries: Entrie
             memory[track].fresh = True
     smooth = goes_on(run.left_speed, piece.left[0]) and goes_on(run.right_speed, piece.right[0])
     if run.last_step == 0.0 or not smooth:
-        settle(scene, run, piece, memory, entries)
+        settle(scene, run, piece.left[0], piece.right[0], memory, entries)
     run.begun = True
 
 
@@ -84,6 +74,19 @@ def limit_at(scene: Scene, run: Run) -> int:
     if abs(weighing.pressure_centre) >= 0.5 * scene.model.length:
         return PITCHED
     return DONE
+
+
+@kernel
+def limit_reached(scene: Scene, run: Run, memory: Memory, entries: Entries) -> int:
+    """The limit that a step has exceeded, or `DONE`.
+
+    Where the step is short what Newton's method leaves of its velocities counts for much in the rates: they are looked
+    at again before it is said to be at an end.
+    """
+    if limit_at(scene, run) == DONE:
+        return DONE
+    settle(scene, run, run.left_speed, run.right_speed, memory, entries)
+    return limit_at(scene, run)
 
 
 @kernel
@@ -176,7 +179,7 @@ def advance_piece(
             if h == left:
                 run.time = piece.end
             count += 1
-            limit = limit_at(scene, run)
+            limit = limit_reached(scene, run, memory, entries)
             if limit != DONE:
                 return limit, count
             if abs(run.pose[2] - steps[0].pose[0, 2]) >= settings.most_turn:

@@ -257,7 +257,7 @@ def simulate(
         Turn at which to stop. [rad]
     """
     pieces = speed_pieces(speeds)
-    before = (float(pieces["left"][0, 0]), float(pieces["right"][0, 0])) if steady_start else None
+    before = (float(speeds.left[0]), float(speeds.right[0])) if steady_start else None
     simulation = integration(scene, start, float(speeds.time[0]), before)
     return simulation, simulation.advance(pieces, Settings(tolerance, math.inf, most_turn))
 

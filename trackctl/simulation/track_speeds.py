@@ -14,6 +14,9 @@ Array = NDArray[np.float64]
 #: In place of a zero at one end of a piece, over the speed at the other, so that the piece has one direction.
 BARELY_MOVING = 1e-9
 
+#: What lasts no longer is no piece: in so short a step rounding outweighs the forces. [s]
+SHORTEST = 1e-9
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrackSpeeds:
@@ -35,7 +38,7 @@ def constant_speeds(left: float, right: float, duration: float) -> TrackSpeeds:
 
 
 def speed_pieces(speeds: TrackSpeeds) -> Pieces:
-    """Pieces for the integrator, cut where a track changes its direction."""
+    """Pieces for the integrator, cut where a track changes its direction; those of no length are left out."""
     crossings = [crossing_times(speeds.time, values) for values in (speeds.left, speeds.right)]
     time = np.unique(np.concatenate([speeds.time, *crossings]))
     pieces = np.zeros(time.size - 1, PIECE)
@@ -45,7 +48,7 @@ def speed_pieces(speeds: TrackSpeeds) -> Pieces:
         start, end = at_cuts[:-1], at_cuts[1:]
         pieces[side][:, 0] = np.where(start == 0.0, BARELY_MOVING * end, start)
         pieces[side][:, 1] = np.where(end == 0.0, BARELY_MOVING * start, end)
-    return pieces
+    return pieces[pieces["end"] - pieces["start"] > SHORTEST]
 
 
 def ramp(start: float, end: float, before: Array, after: Array) -> Pieces:

@@ -27,6 +27,8 @@ POSE = ("x_m", "y_m", "yaw_rad")
 GROUND = ("slope_rad", "heading_rad", "curvature_1pm")
 #: Steepest slope that a vehicle is simulated on. [rad]
 STEEPEST = math.radians(45.0)
+#: Share of the largest speed of a target and its tracks at which both stand still.
+STANDING = 1e-6
 #: Names that the speed and the sideslip of a target may have.
 SPEED_NAMES, SIDESLIP_NAMES = ("velocity_mps", "speed_mps"), ("sideslip_rad", "slip_angle_rad")
 
@@ -111,12 +113,17 @@ def read_ground(table: CsvTable, target: Target) -> PlannedGround | None:
 
 
 def target_commands(target: Target, speeds: TrackSpeeds) -> PathCommands:
-    """A target and its track speeds in the form that feedback follows."""
+    """A target and its track speeds in the form that feedback follows.
+
+    Where speed and tracks stand still so does the yaw, whatever its differences to the rows beside say.
+    """
     length = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(target.x), np.diff(target.y)))))
     nothing, unknown = np.zeros_like(length), np.full_like(length, np.nan)
-    yaw_rate = np.gradient(target.yaw, target.time)
+    fastest = np.abs(np.stack((target.speed, speeds.left, speeds.right))).max(axis=0)
+    stands = fastest <= STANDING * fastest.max()
+    yaw_rate = np.where(stands, 0.0, np.gradient(target.yaw, target.time))
     tangent = target.yaw + target.sideslip
-    path = Path(length, target.x, target.y, tangent, nothing, target.speed)
+    path = Path(length, target.x, target.y, tangent, nothing, np.where(stands, 0.0, target.speed))
     slips_and_residual = nothing, nothing, nothing
     return PathCommands(
         path, target.time, speeds.left, speeds.right, target.sideslip, yaw_rate, *slips_and_residual, unknown, unknown

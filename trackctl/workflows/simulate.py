@@ -31,7 +31,7 @@ from trackctl.simulation.path_rule import (
     read_path_commands,
 )
 from trackctl.simulation.track_force_drive import BodyState, TrackForces, TrackForceVehicle, drive_linear
-from trackctl.simulation.track_speeds import TrackSpeeds, constant_speeds
+from trackctl.simulation.track_speeds import SHORTEST, TrackSpeeds, constant_speeds
 from trackctl.simulation.vehicle_rates import Scene, scene
 from trackctl.workflows.drive_commands import DriveCommands, target_commands
 from trackctl.workflows.steering import Measured, Steering
@@ -272,7 +272,8 @@ def summary(
     """Samples, laps and deviation of a simulation up to a time."""
     steps = simulation.steps[: simulation.count]
     if not steps.size:
-        raise NoAnswerError(f"the simulation cannot begin: {REASONS[end]}")
+        why = REASONS.get(end, f"its commands last no longer than {SHORTEST:g} s")
+        raise NoAnswerError(f"the simulation cannot begin: {why}")
     times = output_times(float(steps["time"][0]), last, request.interval)
     slopes = None if flat is None else flat.slopes
     motion = sample(simulation, request.vehicle.mass, times, slopes)
@@ -365,5 +366,6 @@ def result_summary(result: SimulateResult) -> dict[str, object]:
         "duration_s": float(result.motion.time[-1] - result.motion.time[0]),
         "laps": [{"centre_x_m": lap.x, "centre_y_m": lap.y, "radius_m": lap.radius} for lap in result.laps],
         "drift_m_per_lap": result.drift,
-        "max_deviation_m": result.max_deviation,
+        "max_deviation_m": None if result.problem else result.max_deviation,
+        "problem": result.problem or None,
     }
