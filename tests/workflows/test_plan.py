@@ -112,6 +112,23 @@ def test_hills_unrolled_lead_back_to_the_map():
     assert rows.length > np.hypot(np.diff(rows.x), np.diff(rows.y)).sum()
 
 
+@pytest.mark.parametrize("relief", [0.0, 200.0], ids=["flat", "mountains"])
+def test_cells_may_be_far_larger_than_the_vehicle(relief):
+    """Grids of the size of a survey's: nodes 74.5 and 92.5 m apart."""
+    along, up = 74.5 * np.arange(60.0), 92.5 * np.arange(60.0)
+    height = relief * np.sin(along / 600.0) * np.cos(up / 800.0)[:, None]
+    wide = replace(PLANE, circles=(), slope=None, uphill_yaw=None, bounds=None, resolution=None)
+    wide = replace(wide, elevation=Elevation(height, 74.5, 92.5, 37.25, 46.25, "survey"))
+    start, goal = (1500.0, 1520.0, 0.0), (1540.0, 1550.0, 0.5 * math.pi)
+    rows = planned(replace(wide, start=start, goal=goal)).rows
+    check_limits(rows, VEHICLE)
+    ends = [(rows.x[k], rows.y[k], rows.yaw[k]) for k in (0, -1)]
+    assert ends[0] == pytest.approx(start, abs=1e-6)
+    assert ends[1] == pytest.approx(goal, abs=1e-6)
+    assert 50.0 < rows.length < 60.0
+    assert (rows.slope.max() > math.radians(3.0)) == (relief > 0.0)
+
+
 def test_a_table_of_another_vehicle_is_refused(tmp_path):
     from solved_tables import solved_table
 

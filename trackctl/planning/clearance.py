@@ -149,7 +149,7 @@ def first_hit(obstacles: Obstacles, x: Array, y: Array, yaw: Array) -> int | Non
     """Index of the first pose at which a sampled path is not proved clear, margin included; None if all of it is.
 
     The footprint is grown at each sample by half of what it moves to the next and from the last one, so that nothing
-    in between is missed: samples should not lie farther apart than a fraction of a cell.
+    in between is missed: samples should not lie farther apart than a fraction of a cell and of the footprint's reach.
 
     Parameters
     ----------

@@ -46,7 +46,7 @@ Pose = tuple[float, float, float]
 SPACING, LONGEST_STEP = 1.0 / 48.0, 0.05
 #: Between rows, over the contact length, and at most. [m]
 ROW_SPACING, LONGEST_ROW = 1.0 / 12.0, 0.1
-#: Between poses that are checked for collisions, in cells.
+#: Between poses that are checked for collisions, in cells, or over the footprint's reach if that is less.
 CHECKED = 0.25
 #: Largest residual of commands.
 LARGEST_RESIDUAL = 1e-8
@@ -266,11 +266,16 @@ def driven_turn(model: DriveModel, pose: Pose, angle: float) -> DrivenTurn:
 
 
 def finely_turned(model: DriveModel, driven: DrivenTurn) -> tuple[Array, Array, Array]:
-    """x, y [m] and yaw [rad] of a turn, in steps of a share of a cell."""
+    """x, y [m] and yaw [rad] of a turn, in steps as of `checked_step`."""
     x, y, yaw = driven.poses
-    step = CHECKED * model.obstacles.resolution / model.obstacles.footprint.reach
+    step = checked_step(model.obstacles) / model.obstacles.footprint.reach
     fine = np.linspace(yaw[0], yaw[-1], math.ceil(abs(yaw[-1] - yaw[0]) / step) + 2)
     return np.full_like(fine, x[0]), np.full_like(fine, y[0]), fine
+
+
+def checked_step(obstacles: Obstacles) -> float:
+    """Between poses that are checked for collisions: small beside a cell and beside the vehicle. [m]"""
+    return CHECKED * min(obstacles.resolution, obstacles.footprint.reach)
 
 
 def pivot_speed(model: DriveModel) -> float:
@@ -335,7 +340,7 @@ def check_roughly(model: DriveModel, lines: Sequence[Line]) -> None:
 def check_poses(model: DriveModel, x: Array, y: Array, yaw: Array) -> None:
     """Refuse poses, and what lies between them, that touch something."""
     way = np.concatenate(([0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))))
-    fine = np.linspace(0.0, way[-1], math.ceil(way[-1] / (CHECKED * model.obstacles.resolution)) + 2)
+    fine = np.linspace(0.0, way[-1], math.ceil(way[-1] / checked_step(model.obstacles)) + 2)
     hit = first_hit(model.obstacles, *(np.interp(fine, way, values) for values in (x, y, np.unwrap(yaw))))
     if hit is not None:
         at = [float(np.interp(fine[hit], way, values)) for values in (x, y)]
