@@ -24,8 +24,9 @@ DOUBLES = types.CPointer(types.float64)
 #: Fields of model, motion and frame, load and pressure centre.
 NUMBERS = len(TrackModel._fields) + len(TrackMotion._fields) + len(Frame._fields) + 2
 
-#: Sliding below this has not settled its direction, so that a vehicle can come to rest. [m/s]
-SLIDING_FLOOR = 1e-5
+#: Sliding below this [m/s], and this share of the track's speed, has not settled its direction: a vehicle can come to
+#: rest, and one that rolls without sliding, as a swing passes through, is not shaken between two directions.
+SLIDING_FLOOR, SLIDING_SHARE = 1e-5, 2e-5
 #: What is too short to be a stretch of its own or too shallow to be a return, and the step of difference quotients,
 #: over the contact's length.
 REACH, SHALLOW = 1e-9, 1e-7
@@ -96,7 +97,8 @@ def stress_sums(track: Track, shear_modulus: float, rule: GradedRule, work: Arra
     """Integrals of stress over sliding speed, alone, times s_y, and times s_y x, over the stretch's length."""
     motion, ground = track.motion, track.ground
     sx = motion.body_speed - motion.speed
-    sx_square = sx * sx + SLIDING_FLOOR * SLIDING_FLOOR
+    floor = SLIDING_FLOOR + SLIDING_SHARE * abs(motion.speed)
+    sx_square = sx * sx + floor * floor
     K_inverse = 1.0 / shear_modulus
     places, j_x, j_y, weights = work[0], work[1], work[2], rule.weights
     Q_0 = Q_y = Q_xy = 0.0
