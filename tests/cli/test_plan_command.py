@@ -251,7 +251,7 @@ def test_the_twin_must_not_touch_either(run, tmp_path):
     (tmp_path / "narrow.yaml").write_text(NARROW.format(right=3.86))
     result = run("plan", "narrow.yaml", *QUICK)
     assert result.exit_code == 1
-    assert "leave no room for blends; nor without blends: it touches an obstacle" in result.stderr
+    assert "leave no room for blends of 1.6 m; nor without blends: it touches an obstacle" in result.stderr
 
 
 def test_a_twin_that_misses_the_goal_by_much_is_refused(run, tmp_path, monkeypatch):

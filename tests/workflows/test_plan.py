@@ -100,6 +100,31 @@ def test_backwards_out_of_a_dead_end():
     assert (rows.x[-1], rows.y[-1], rows.yaw[-1]) == pytest.approx((2.0, 5.0, 0.0), abs=2e-6)
 
 
+@pytest.mark.parametrize("way", [0.14, 0.002, -0.14])
+@pytest.mark.parametrize("slope", [0.0, 12.0])
+def test_short_moves_need_no_blends(way, slope):
+    """Straight, or as good as that: on a slope the body points a little away from where it goes."""
+    if slope and way == 0.002:
+        pytest.skip("on a slope so short a move is no straight one")
+    yaw = math.radians(80.0)
+    start = (3.0, 3.0, yaw)
+    goal = (start[0] + way * math.cos(yaw), start[1] + way * math.sin(yaw), yaw)
+    near = replace(PLANE, circles=(), slope=math.radians(slope), start=start, goal=goal)
+    rows = planned(near, iterations=20, reverse=way < 0.0).rows
+    check_limits(rows, VEHICLE)
+    assert rows.length == pytest.approx(abs(way), rel=0.01)
+    assert (np.sign(way) * rows.velocity >= 0.0).all()
+    for k, pose in ((0, start), (-1, goal)):
+        assert (rows.x[k], rows.y[k], rows.yaw[k]) == pytest.approx(pose, abs=1e-9)
+
+
+@pytest.mark.parametrize(("ahead", "says"), [(0.0, "one pose: there"), (1e-4, "one pose, to 0.001 m and rad: there")])
+def test_a_goal_where_the_start_is_leaves_nothing_to_drive(ahead, says):
+    x, y, yaw = PLANE.start
+    with pytest.raises(NoAnswerError, match=says):
+        planned(replace(PLANE, goal=(x + ahead, y, yaw + 2.0 * math.pi)))
+
+
 def test_hills_unrolled_lead_back_to_the_map():
     rows = planned(hills()).rows
     flat = unrolled(planned_ground(rows))

@@ -38,6 +38,8 @@ EVALUATIONS = 60
 LEAST_SLIDING = 1e-8
 #: Sample spacing and width of the Gaussian of the derivative along the path, over the contact length.
 SPACING, SMOOTHING = 1.0 / 24.0, 0.12
+#: Steps at least, even, so that a way begins, peaks and ends at samples.
+LEAST_STEPS = 12
 #: Samples are no farther apart than this. [m]
 LONGEST_STEP = 0.1
 #: How far a path is extended at its ends, over the contact length.
@@ -187,7 +189,7 @@ def solve_along(
 
 def resampled(path: Path, length: float) -> tuple[Path, slice]:
     """The path at even steps of a small share of the contact length, extended at both ends; and where it is in that."""
-    count = math.ceil(path.length / min(SPACING * length, LONGEST_STEP)) + 1
+    count = max(math.ceil(path.length / min(SPACING * length, LONGEST_STEP)), LEAST_STEPS) + 1
     step = path.length / (count - 1)
     added = math.ceil(EXTENSION * length / step)
     beyond = step * np.arange(1.0, added + 1.0)

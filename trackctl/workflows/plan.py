@@ -44,6 +44,8 @@ Progress = Callable[[float, float], None]
 
 #: Least radius of a plan where the profile has none, over the contact length.
 LEAST_RADIUS = 1.5
+#: Poses so near are one. [m], [rad]
+SAME_POSE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -208,6 +210,7 @@ def plan(
         If start or goal lie outside the map, or the map or the table is not fit.
     """
     start, goal = poses_of(request)
+    check_apart(start, goal)
     ground = slope_field(request.planning_map, request.vehicle.footprint)
     grid = collision_grid(request.planning_map, ground, allow_unknown=request.allow_unknown)
     outline = np.array(request.vehicle.footprint) - (request.vehicle.cog_forward, request.vehicle.cog_left)
@@ -285,6 +288,14 @@ def poses_of(request: PlanRequest) -> tuple[Pose, Pose]:
             raise UsageError(f"--{name}", given, allowed)
         found.append(pose)
     return found[0], found[1]
+
+
+def check_apart(start: Pose, goal: Pose) -> None:
+    """Refuse a goal that is where the start is."""
+    apart, turn = math.dist(start[:2], goal[:2]), abs(math.remainder(goal[2] - start[2], 2.0 * math.pi))
+    if max(apart, turn) < SAME_POSE:
+        rounded = f", to {SAME_POSE:g} m and rad" if max(apart, turn) > 0.0 else ""
+        raise NoAnswerError(f"start and goal are one pose{rounded}: there is nothing to drive")
 
 
 def check_pose(request: PlanRequest, obstacles: Obstacles, name: str, pose: Pose) -> None:

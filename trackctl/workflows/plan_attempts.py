@@ -300,7 +300,8 @@ def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
     Blends cut corners, and on a slope the vehicle leaves its plan: the first searches
     keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
     The last one starts and ends at the poses themselves; when driving backwards is allowed, whether the ends are driven
-    forwards is not known beforehand, and there is no other.
+    forwards is not known beforehand, and there is no other. It comes first where the goal is so near that the blends at
+    both ends would overlap.
     """
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
     cut = cut_of(model, problem)
@@ -308,4 +309,6 @@ def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
     preferred = () if away == 0.0 or problem.clearance > 0.0 else (cut + away, cut + away / 3.0)
     rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)
     found = [replace(led, clearance=problem.clearance + room) for room in rooms]
+    if math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * blend_length(model, slope, model.sharpest):
+        return [problem, *found]
     return found if problem.backward is not None else [*found, problem]

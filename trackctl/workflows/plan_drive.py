@@ -46,6 +46,8 @@ Pose = tuple[float, float, float]
 SPACING, LONGEST_STEP = 1.0 / 48.0, 0.05
 #: Between rows, over the contact length, and at most. [m]
 ROW_SPACING, LONGEST_ROW = 1.0 / 12.0, 0.1
+#: Steps between samples of a line, and between rows of a stretch, at least.
+LEAST_STEPS, LEAST_ROWS = 48, 12
 #: Between poses that are checked for collisions, in cells, or over the footprint's reach if that is less.
 CHECKED = 0.25
 #: Largest residual of commands.
@@ -59,9 +61,13 @@ SLOWER_ROUNDS, UNSOLVED_EXCESS = 16, 2.0
 #: Track speed over that of the hull, at most usually.
 SLIPPING = 1.15
 #: Rounds in which the tangents at the ends settle to the sideslip there.
-END_ROUNDS, SETTLED = 4, 1e-6
+END_ROUNDS, SETTLED, TINY = 12, 1e-9, 1e-300
 #: Blends over the least that the model page asks for, as far as there is room: the longer, the better they are driven.
 LONG_BLENDS = (2.0, 1.5)
+#: Curvature so gentle that a vehicle drives its jumps off by no more than this: it needs no blends of that length. [m]
+SLIGHT = 3e-3
+#: Ramps of a way as gentle as that, over its length.
+GENTLE_RAMP = 0.2
 #: Slope from which tight turns, of radii below two contact lengths, need blends of as much. [rad]
 STEEP = math.radians(15.0)
 
@@ -187,14 +193,16 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer
     UndrivableError
         If it cannot be blended, touches something, or asks for more than the vehicle can.
     """
-    blend = longer * least_blend(model, route)
+    route, blend, sharpest = blend_of(model, route, longer)
 
     def driven_between(
         start: Pose, goal: Pose, kinks: Sequence[float] | None, first: bool
     ) -> tuple[list[DrivenLine], Array]:
-        blended = blended_route(route, start, goal, blend, model.sharpest, kinks)
+        blended = blended_route(route, start, goal, blend, sharpest, kinks)
         if blended is None:
-            raise UndrivableError("its turns leave no room for blends")
+            near = math.dist(start[:2], goal[:2])
+            between = f" between poses {near:.2g} m apart" if near < blend else ""
+            raise UndrivableError(f"its turns leave no room for blends of {blend:.2g} m{between}")
         if first:
             check_roughly(model, blended.lines)
         driven = [drive_line(model, line) for line in blended.lines]
@@ -202,6 +210,28 @@ def drive_route(model: DriveModel, route: Route, start: Pose, goal: Pose, longer
         return driven, blended.turns
 
     return settled(model, route, (start, goal), driven_between)
+
+
+def as_straight(route: Route, gentle: float) -> Route | None:
+    """The straight that a route driven one way is, but for turns by a curvature so gentle on average [1/m]; or None."""
+    length = float(route.length.sum())
+    turned = float(np.abs(route.curvature * route.length).sum())
+    if route.pivot.any() or np.abs(route.length).sum() > abs(length) * (1.0 + 1e-9) or turned > gentle * abs(length):
+        return None
+    return Route(route.start, np.zeros(1), np.array([length]), np.zeros(1))
+
+
+def blend_of(model: DriveModel, route: Route, longer: float) -> tuple[Route, float, float]:
+    """A route, its blends, so many times the least [m], and the largest curvature between them. [1/m]
+
+    A short way as good as straight has shorter blends, and stays as good as straight.
+    """
+    blend = least_blend(model, route)
+    gentle = min(24.0 * SLIGHT / blend**2, model.sharpest)
+    straight = as_straight(route, gentle)
+    if straight is None or (ramp := GENTLE_RAMP * abs(float(straight.length[0]))) >= longer * blend:
+        return route, longer * blend, model.sharpest
+    return straight, ramp, gentle
 
 
 def least_blend(model: DriveModel, route: Route) -> float:
@@ -222,7 +252,7 @@ def settled(
         straight_tangent(model.pace, model.pace.backward if back else model.pace.forward, *pose)
         for pose, back in zip(ends, backwards, strict=True)
     ]
-    kinks = None
+    kinks, steps, before, slopes = None, np.zeros(2), np.zeros(2), -np.eye(2)
     for turn in range(END_ROUNDS):
         first, last = ((*pose[:2], tangent) for pose, tangent in zip(ends, tangents, strict=True))
         driven, turns = driven_between(first, last, kinks, turn == 0)
@@ -231,10 +261,13 @@ def settled(
         sideslips = [driven[0].commands.sideslip[0], driven[-1].commands.sideslip[-1]]
         found = [tangent_of(model, pose, beta) for pose, beta in zip(ends, sideslips, strict=True)]
         kinks = [float(after.commands.sideslip[0] - before.commands.sideslip[-1]) for before, after in pairwise(driven)]
-        moved = max(abs(math.remainder(a - b, 2.0 * math.pi)) for a, b in zip(found, tangents, strict=True))
-        tangents = found
-        if moved < SETTLED:
+        moves = np.array([math.remainder(a - b, 2.0 * math.pi) for a, b in zip(found, tangents, strict=True)])
+        if np.abs(moves).max() < SETTLED:
             break
+        # Broyden's method: in a short way the ends have to do with each other.
+        slopes += np.outer(moves - before - slopes @ steps, steps) / max(float(steps @ steps), TINY)
+        steps, before = np.linalg.lstsq(slopes, -moves, rcond=None)[0], moves
+        tangents = (np.array(tangents) + steps).tolist()
     return with_turns(model, driven, turns, ends[0])
 
 
@@ -318,7 +351,7 @@ def limits_along(
 def samples_of(model: DriveModel, line: Line) -> tuple[Array, tuple[Array, Array, Array], Array]:
     """Arc length, pose and curvature at even steps."""
     step = min(SPACING * model.vehicle.contact_length, LONGEST_STEP)
-    arc_length = np.linspace(0.0, line.length, max(math.ceil(line.length / step), 8) + 1)
+    arc_length = np.linspace(0.0, line.length, max(math.ceil(line.length / step), LEAST_STEPS) + 1)
     return arc_length, line.at(arc_length), line.curvature_at(arc_length)
 
 

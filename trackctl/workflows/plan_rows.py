@@ -10,7 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.simulation.path import Path
-from trackctl.workflows.plan_drive import LONGEST_ROW, ROW_SPACING, DriveModel, Driven, DrivenLine, map_poses
+from trackctl.workflows.plan_drive import (
+    LEAST_ROWS,
+    LONGEST_ROW,
+    ROW_SPACING,
+    DriveModel,
+    Driven,
+    DrivenLine,
+    map_poses,
+)
 from trackctl.workflows.plan_turn import DrivenTurn
 
 Array = NDArray[np.float64]
@@ -117,7 +125,7 @@ def stretch_rows(model: DriveModel, driven: DrivenLine, number: int, time: float
     commands, path = driven.commands, driven.commands.path
     step = path.arc_length[1] - path.arc_length[0]
     apart = min(ROW_SPACING * model.vehicle.contact_length, LONGEST_ROW)
-    stride = max(int(apart / step * (1.0 + 1e-9)), 1)
+    stride = max(min(int(apart / step * (1.0 + 1e-9)), (path.speed.size - 1) // LEAST_ROWS), 1)
     kept = np.unique(np.append(np.arange(0, path.speed.size, stride), path.speed.size - 1))
     x, y, yaw, heading = map_poses(driven)
     radius = model.vehicle.sprocket_radius
