@@ -82,6 +82,34 @@ def test_the_track_force_limits_acceleration():
     assert found.min() >= -allowed - resisted
 
 
+def turn_round(slope):
+    """Half a turn that begins across the slope and goes on below."""
+    return replace(
+        PLANE,
+        circles=(Circle(0.0, 25.0, 0.5),),
+        bounds=(-30.0, -30.0, 30.0, 30.0),
+        slope=math.radians(slope),
+        start=(0.0, 3.0, math.pi),
+        goal=(0.0, 0.0, 0.0),
+    )
+
+
+def most_slip(rows):
+    return np.abs((rows.slip_left, rows.slip_right)).max()
+
+
+def test_slip_keeps_to_what_steady_turns_ask_for_as_long_as_there_is_such_a_way():
+    found = planned(turn_round(17.0))
+    assert most_slip(found.rows) <= 0.25
+    assert found.notes == ()
+
+
+def test_where_there_is_none_a_note_tells_the_slip():
+    found = planned(turn_round(20.0))
+    assert 0.3 < most_slip(found.rows) < 0.5
+    assert f"slip by up to {most_slip(found.rows):.2f}" in " ".join(found.notes)
+
+
 def test_curvature_keeps_to_the_least_radius_and_has_no_jumps():
     wide = replace(VEHICLE, min_turn_radius=2.0)
     rows = planned(vehicle=wide).rows

@@ -14,8 +14,11 @@ from trackctl.planning.search import Improvement, Problem, Search, Settings, sto
 from trackctl.planning.slope_field import SlopeField
 from trackctl.workflows.plan_drive import (
     LONG_BLENDS,
+    MUCH_MORE_SLIP,
     DriveModel,
     Driven,
+    DrivenLine,
+    SlippingError,
     UndrivableError,
     blend_length,
     drive_route,
@@ -135,6 +138,8 @@ def driven_plan(
             driving.drive_one(
                 search, [(each, long) for each in search.improvements[-1:] for long in (*LONG_BLENDS, 1.0)]
             )
+    if driving.best is None:
+        driving.drive_slipping()
     for attempt, search in zip(planned, searches, strict=False):
         if driving.best is None and (attempt.start, attempt.goal_lead) == (problem.start, 0.0):
             driving.drive_with_jumps(search)
@@ -198,6 +203,7 @@ class Driving:
         self._tried: set[tuple[Improvement, float]] = set()
         self._reasons: list[str] = []
         self._without_blends: list[str] = []
+        self._slipping: list[tuple[Search, Improvement, float]] = []
         self._seconds = 0.0
 
     def drive_one(self, search: Search, candidates: Sequence[tuple[Improvement, float]]) -> None:
@@ -221,10 +227,25 @@ class Driving:
             lines = drive_route(self._model, improvement.route, self._problem.start, improvement.goal, longer)
         except UndrivableError as error:
             self._reasons.append(f"a way was found but cannot be driven: {error}")
+            if isinstance(error, SlippingError):
+                self._slipping.append((search, improvement, longer))
             return False
         self._seconds = self._allowance.elapsed() - begin
         self._take(search, improvement, lines)
         return True
+
+    def drive_slipping(self) -> None:
+        """Drive the first route of those that ask for much slip that can be driven with it."""
+        patient = replace(self._model, more_slip=MUCH_MORE_SLIP) if self._slipping else self._model
+        for search, improvement, longer in self._slipping[:MOST_ROUTES]:
+            try:
+                lines = drive_route(patient, improvement.route, self._problem.start, improvement.goal, longer)
+            except UndrivableError:
+                if self._allowance.is_used_up:
+                    return
+            else:
+                self._take(search, improvement, lines, (slip_note(lines),))
+                return
 
     def drive_with_jumps(self, search: Search) -> None:
         """Drive the best route of a search from pose to pose that can be driven with its jumps of curvature."""
@@ -264,6 +285,13 @@ class Driving:
         return f"{found}; more time may help" if self.worth_going_on(searches) and self._allowance.is_used_up else found
 
 
+def slip_note(driven: Sequence[Driven]) -> str:
+    """What the user should know of a plan that slips much."""
+    commands = [each.commands for each in driven if isinstance(each, DrivenLine)]
+    most = max(float(np.abs(slip).max()) for each in commands for slip in (each.slip_left, each.slip_right))
+    return f"the ground gives way in a turn, and no other way was found: the tracks slip by up to {most:.2f}"
+
+
 def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
     """What a plan costs: the search knows neither blends nor stops."""
     match cost:
@@ -288,10 +316,15 @@ def attempts(model: DriveModel, problem: Problem, pivot: bool | None) -> list[Pr
     return [*turning, *moving] if pivot else [*moving, *turning]
 
 
+def first_blend(model: DriveModel, problem: Problem) -> float:
+    """The least blend of the sharpest turn at the start. [m]"""
+    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
+    return blend_length(model, slope, model.sharpest)
+
+
 def cut_of(model: DriveModel, problem: Problem) -> float:
     """By how much blends cut corners: up to curvature blend^2 / 24. [m]"""
-    slope = float(slopes_at(model, *(np.array([value]) for value in problem.start[:2]))[0])
-    return model.sharpest * (min(LONG_BLENDS) * blend_length(model, slope, model.sharpest)) ** 2 / 24.0
+    return model.sharpest * (min(LONG_BLENDS) * first_blend(model, problem)) ** 2 / 24.0
 
 
 def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
@@ -309,6 +342,6 @@ def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
     preferred = () if away == 0.0 or problem.clearance > 0.0 else (cut + away, cut + away / 3.0)
     rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)
     found = [replace(led, clearance=problem.clearance + room) for room in rooms]
-    if math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * blend_length(model, slope, model.sharpest):
+    if math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * first_blend(model, problem):
         return [problem, *found]
     return found if problem.backward is not None else [*found, problem]

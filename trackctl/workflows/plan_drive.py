@@ -54,8 +54,8 @@ CHECKED = 0.25
 LARGEST_RESIDUAL = 1e-8
 #: Limits are planned with this share, so that rounding does not exceed them.
 SHARE = 0.97
-#: Slip that a plan may need, or so many times that of the steady turns, if it is more. [-]
-MOST_SLIP, MORE_SLIP = 0.25, 1.5
+#: Slip that a plan may need, or so many times that of the steady turns, if it is more; and where there is no other. [-]
+MOST_SLIP, MORE_SLIP, MUCH_MORE_SLIP = 0.25, 1.1, 1.5
 #: Rounds of slowing down where a limit is exceeded, and the excess that an unsolved sample counts as.
 SLOWER_ROUNDS, UNSOLVED_EXCESS = 16, 2.0
 #: Track speed over that of the hull, at most usually.
@@ -94,6 +94,8 @@ class DriveModel:
         Largest curvature. [1/m]
     spot
         How it turns on the spot; None: it cannot.
+    more_slip
+        Slip over that of the steady turns, at most, where it is more than `MOST_SLIP`.
     """
 
     vehicle: VehicleProfile
@@ -106,6 +108,7 @@ class DriveModel:
     slips: Ground
     sharpest: float
     spot: SpotDrive | None
+    more_slip: float = MORE_SLIP
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -146,6 +149,10 @@ DriveBetween = Callable[[Pose, Pose, Sequence[float] | None, bool], tuple[list[D
 
 class UndrivableError(Exception):
     """A route cannot be driven; says why."""
+
+
+class SlippingError(UndrivableError):
+    """A route asks for too much slip, and for nothing else that cannot be."""
 
 
 def turned_round(vehicle: VehicleProfile) -> VehicleProfile:
@@ -395,7 +402,7 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
     outer = SLIPPING + 0.5 * model.vehicle.track_gauge * np.abs(surface.curvature)
     by_drive = model.vehicle.max_sprocket_acceleration * model.vehicle.sprocket_radius / outer
     acceleration = SHARE * np.minimum(model.vehicle.max_acceleration, by_drive)
-    allowed_slip = np.maximum(MOST_SLIP, MORE_SLIP * steady_slip)
+    allowed_slip = np.maximum(MOST_SLIP, model.more_slip * steady_slip)
     width = math.ceil(model.vehicle.contact_length / (place[1] - place[0]))
     for _ in range(SLOWER_ROUNDS):
         speed = fastest_speed(surface.arc_length, most, acceleration, 0.0, 0.0)
@@ -410,10 +417,10 @@ def drive_line(model: DriveModel, line: Line) -> DrivenLine:
         factor = maximum_filter1d(factor, width, mode="nearest")
         most, acceleration = np.minimum(most, speed.max()) / np.sqrt(factor), acceleration / factor
     worst = int(np.argmax(excess))
-    raise UndrivableError(
-        f"a limit of the vehicle or of the ground is exceeded {commands.path.arc_length[worst]:.2f} m along it, "
-        "however slowly"
-    )
+    where = f"{commands.path.arc_length[worst]:.2f} m along it, however slowly"
+    if excess_of(model, commands, np.full_like(slips, np.inf)).max() <= 1.0:
+        raise SlippingError(f"its tracks slip too much {where}")
+    raise UndrivableError(f"a limit of the vehicle or of the ground is exceeded {where}")
 
 
 def excess_of(model: DriveModel, commands: PathCommands, allowed_slip: Array) -> Array:
