@@ -51,7 +51,9 @@ def driven(vehicle, start, curvature, length):
     empty = replace(GARAGE, circles=())
     field = slope_field(empty, vehicle.footprint)
     limits = steering(request(empty, vehicle), field, lambda done, total: None)
-    model = drive_model(vehicle, TERRAIN, GRAVITY, field, obstacles_on(empty, field, vehicle), limits)
+    model = drive_model(
+        vehicle, TERRAIN, GRAVITY, field, obstacles_on(empty, field, vehicle), limits, vehicle.max_speed
+    )
     goal = start
     for piece in zip(curvature, length, strict=True):
         goal = advanced(*goal, *piece)
