@@ -45,6 +45,14 @@ def checked(problem, result):
     return poses
 
 
+@pytest.mark.parametrize(("gears", "changes"), [((0, 0), 0), ((-1, 0), 0), ((1, 0), 1), ((0, 1), 1), ((1, 1), 2)])
+def test_gears_at_the_ends_that_the_route_is_not_driven_in_have_their_price(gears, changes):
+    """Five metres straight back."""
+    problem = level_problem(EMPTY, (12.0, 10.0, 0.0), (7.0, 10.0, 0.0), backward=level_limits(), gears=gears)
+    settings = Settings(iterations=300, gear_change=0.5)
+    assert search(problem, settings).cost == pytest.approx(5.0 + 0.5 * changes, abs=1e-9)
+
+
 @pytest.mark.parametrize(
     ("start", "goal"),
     [

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from planning_cases import RADIUS, RECTANGLE, grid_of, hits, level_problem, plane, route_poses
+from planning_cases import RADIUS, RECTANGLE, grid_of, hits, level_limits, level_problem, plane, route_poses
 
 from trackctl.planning.dubins import dubins_length
 from trackctl.planning.families import distance_to_point
@@ -71,6 +71,15 @@ def test_a_goal_in_a_wall_ends_clear_of_it():
     )
     for lead in (0.0, 0.4):
         best(level_problem(walled(), START, goal, goal_tolerance=(0.3, 0.0), goal_lead=lead))
+
+
+def test_a_goal_that_is_reached_backwards_is_led_in_from_its_other_side():
+    """Forwards it would be from inside the wall."""
+    start, goal = (2.0, 6.0, math.pi), (7.6, 6.0, math.pi)
+    ends = {"goal_tolerance": (0.3, 0.0), "backward": level_limits()}
+    found = best(level_problem(walled(), start, goal, gears=(-1, -1), goal_lead=-0.4, **ends))
+    assert (found.route.length < 0.0).all()
+    assert search(level_problem(walled(), start, goal, gears=(1, 1), goal_lead=0.4, **ends), SETTINGS).route is None
 
 
 def test_a_goal_that_walls_close_off_is_met_beside_them():

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from planning_cases import level_problem
+from planning_cases import level_limits, level_problem
 
 from trackctl.errors import NoAnswerError
 from trackctl.planning.search import Search, Settings, search
@@ -26,7 +26,7 @@ class World:
     """Attempts of which some can be driven, and the clock."""
 
     def __init__(self, drivable):
-        self.now, self.drivable, self.drives, self.told = 0.0, drivable, [], []
+        self.now, self.drivable, self.drives, self.told, self.gears = 0.0, drivable, [], [], None
 
     def elapsed(self):
         self.now += READING
@@ -44,21 +44,25 @@ class World:
         self.now += DRIVE
         raise UndrivableError("nor this")
 
+    def choose(self, attempts, gears):
+        self.gears = gears
+        return attempts
+
     def tell(self, done, total):
         self.told.append((done, total))
 
 
 @pytest.fixture
 def plan(monkeypatch):
-    def planned(drivable, attempts=None, **settings):
+    def planned(drivable, attempts=None, problem=PROBLEM, **settings):
         world = World(drivable)
         chosen = attempts or [replace(PROBLEM, start=(x, 6.0, 0.0)) for x in STARTS]
-        monkeypatch.setattr(plan_attempts, "attempts", lambda model, problem, pivot: chosen)
+        monkeypatch.setattr(plan_attempts, "attempts", lambda model, problem, pivot, gears: world.choose(chosen, gears))
         monkeypatch.setattr(plan_attempts, "drive_route", world.drive)
         monkeypatch.setattr(plan_attempts, "drive_jumps", world.drive_jumps)
         monkeypatch.setattr(plan_attempts, "rows_of", rows_of)
         try:
-            found = driven_plan(None, PROBLEM, Settings(**settings), world.tell, elapsed=world.elapsed)
+            found = driven_plan(None, problem, Settings(**settings), world.tell, elapsed=world.elapsed)
         except NoAnswerError as error:
             found = str(error)
         return world, found
@@ -145,6 +149,29 @@ def test_progress_runs_once(plan):
         assert (np.diff(done) >= 0.0).all()
         assert (total == most).all()
         assert done[-1] == pytest.approx(most)
+
+
+@pytest.mark.parametrize("settings", [{"time_limit": LIMIT}, {"iterations": 200}])
+def test_the_gears_of_the_ends_are_found_in_a_share_of_the_same_time(plan, settings):
+    """There is a wall between the ends, so the vehicle goes on as it has begun: backwards."""
+    turned = replace(PROBLEM, start=(1.0, 6.0, np.pi), goal=(10.0, 6.0, np.pi), backward=level_limits())
+    world = plan(lambda attempt, longer, now: True, problem=turned, **settings)[0]
+    assert world.gears == (-1, -1)
+    done, total = np.array(world.told).T
+    assert (np.diff(done) >= 0.0).all()
+    assert done[-1] <= total[-1] == total[0]
+    if "time_limit" in settings:
+        probed, share = plan_attempts.PROBED * LIMIT, (1.0 - plan_attempts.PROBED) * plan_attempts.SHARE * LIMIT
+        assert world.drives[0][2] - DRIVE == pytest.approx(probed + share, abs=10 * READING)
+        assert world.now <= LIMIT + DRIVE + 10 * READING
+
+
+def test_ends_that_no_route_is_known_for_may_have_any_gear(plan):
+    walled = PROBLEM.grid.blocked.copy()
+    walled[:, 55:65] = True
+    closed = level_problem(walled, PROBLEM.start, PROBLEM.goal, backward=level_limits())
+    assert plan(lambda attempt, longer, now: True, problem=closed, iterations=40)[0].gears == (0, 0)
+    assert plan(lambda attempt, longer, now: True, iterations=40)[0].gears == (1, 1)
 
 
 def test_a_search_that_is_left_after_every_step_finds_the_same():

@@ -8,6 +8,7 @@ import pytest
 
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.geometry.circle import Circle
+from trackctl.planning.blending import blended_route
 from trackctl.planning.collision import obstacles_of
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.planning_map import PlanningMap, collision_grid, slope_field
@@ -17,6 +18,7 @@ from trackctl.planning.search import Settings
 from trackctl.simulation.following import Feedback
 from trackctl.workflows.plan import PlanRequest, plan, steering
 from trackctl.workflows.plan_drive import drive_model, drive_route, turned_round
+from trackctl.workflows.plan_leads import in_gears
 from trackctl.workflows.plan_rows import rows_of
 from trackctl.workflows.plan_verification import verify
 
@@ -35,6 +37,19 @@ GARAGE = PlanningMap(
 )
 
 
+#: The same with straight walls, and the goal near a wall of the map.
+WALLED = replace(
+    GARAGE,
+    circles=(),
+    polygons=(
+        ((6.5, 2.0), (9.5, 2.0), (9.5, 3.2), (6.5, 3.2)),
+        ((6.5, 4.8), (9.5, 4.8), (9.5, 6.0), (6.5, 6.0)),
+        ((9.0, 3.0), (9.5, 3.0), (9.5, 5.0), (9.0, 5.0)),
+    ),
+    slope=0.0,
+)
+
+
 def request(planning_map, vehicle, **more):
     return PlanRequest(
         planning_map=planning_map, vehicle=vehicle, terrain=TERRAIN, gravity=GRAVITY, reverse=True, **more
@@ -46,6 +61,14 @@ def obstacles_on(planning_map, field, vehicle):
     return obstacles_of(collision_grid(planning_map, field), footprint_of(outline))
 
 
+def ended(route, way):
+    """Some way straight on from a route's end."""
+    pose = route.start
+    for piece in zip(route.curvature, route.length, strict=True):
+        pose = advanced(*pose, *piece)
+    return advanced(*pose, 0.0, way)
+
+
 def driven(vehicle, start, curvature, length):
     """Rows of a vehicle that drives pieces on the empty plane."""
     empty = replace(GARAGE, circles=())
@@ -54,11 +77,8 @@ def driven(vehicle, start, curvature, length):
     model = drive_model(
         vehicle, TERRAIN, GRAVITY, field, obstacles_on(empty, field, vehicle), limits, vehicle.max_speed
     )
-    goal = start
-    for piece in zip(curvature, length, strict=True):
-        goal = advanced(*goal, *piece)
     route = Route(start, np.array(curvature), np.array(length), np.zeros(len(length)))
-    return rows_of(model, drive_route(model, route, start, goal, 1.0))
+    return rows_of(model, drive_route(model, route, start, ended(route, 0.0), 1.0))
 
 
 @pytest.mark.parametrize("vehicle", [OFF, load_vehicle("utv-61cm")], ids=["off the centre", "centred"])
@@ -82,6 +102,27 @@ def test_driven_backwards_a_vehicle_is_the_one_turned_round_driven_forwards(vehi
 def test_turned_round_twice_a_vehicle_is_itself():
     assert turned_round(turned_round(OFF)) == OFF
     assert turned_round(OFF).cog_forward == -OFF.cog_forward
+
+
+@pytest.mark.parametrize("seed", [1, 3])
+def test_ends_are_led_in_backwards_too(seed):
+    """Searched between the poses themselves no route is left room for blends at its ends."""
+    found = plan(request(WALLED, load_vehicle("utv-61cm"), search=Settings(iterations=2000, seed=seed)))
+    assert found.notes == ()
+    assert (found.rows.velocity < 0.0).any()
+    assert (found.rows.x[-1], found.rows.y[-1]) == pytest.approx((1.5, 1.5), abs=1e-6)
+
+
+def test_a_route_that_turns_round_at_once_stops_at_its_lead():
+    backwards = Route((0.0, 0.0, 0.0), np.array([0.2, 0.0]), np.array([-2.0, -1.0]), np.zeros(2))
+    assert in_gears(backwards, (0, -1)).length.tolist() == [-2.0, -1.0]
+    stops = in_gears(backwards, (1, 1))
+    assert np.sign(stops.length).tolist() == [1.0, -1.0, -1.0, 1.0]
+    assert np.abs(stops.length).sum() == pytest.approx(3.0, abs=1e-5)
+    # Blended, the stretch of a stop goes as far as a blend.
+    lines = blended_route(stops, (-0.4, 0.0, 0.0), ended(backwards, 0.4), 0.8, 1.0).lines
+    assert [line.backwards for line in lines] == [False, True, False]
+    assert lines[0].length == pytest.approx(0.8, abs=2e-3)
 
 
 @pytest.mark.parametrize("slope", [0.0, 12.0])

@@ -55,8 +55,9 @@ class Anytime:
 
     def __init__(self, task: Task, start: Pose, target: Target, surest: End, seed: int) -> None:
         self._task, self._start, self._target = task, start, target
-        self.slack = 0.0 if is_exact(target) else 2.0 * (target.distance + target.lead)
+        self.slack = 0.0 if is_exact(target) else 2.0 * (target.distance + abs(target.lead))
         self._tree = new_tree(NODE_CAPACITY, start)
+        self._tree.gear[0] = task.first_gear
         self._growth = Growth(
             stream=stream_of(seed),
             target=target,

@@ -166,6 +166,11 @@ def ground_of(field: SlopeField, forward: SteeringLimits, backward: SteeringLimi
     return Ground(slopes, ahead, behind, is_level)
 
 
+def gear_motion(ground: Ground, gear: int) -> Motion:
+    """Driving in a gear: backwards in -1, else forwards."""
+    return ground.backward if gear < 0 else ground.forward
+
+
 def _has_no_direction(motion: Motion) -> bool:
     return all(bool((table == table[:, :, :1]).all()) for table in (motion.rate, motion.sideslip))
 

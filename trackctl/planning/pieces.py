@@ -70,6 +70,8 @@ class Task(NamedTuple):
         [1/rad]
     can_reverse
         Whether there is a reverse gear.
+    first_gear, last_gear
+        Before the start and behind the goal: 1 forwards, -1 backwards, 0 either.
     inner_radius
         Of the largest disc about the mass centre within the footprint. [m]
     least_rate
@@ -84,6 +86,8 @@ class Task(NamedTuple):
     gear_change: float
     pivot_rate: float
     can_reverse: bool
+    first_gear: int
+    last_gear: int
     inner_radius: float
     least_rate: float
     estimates: Array

@@ -93,7 +93,7 @@ def new_path() -> Path:
 def measure(task: Task, path: Path, start: Pose) -> float:
     """Fill in poses, positions and costs of a path's pieces; its cost."""
     path.x[0], path.y[0], path.tangent[0] = start
-    path.gear[0], path.position[0], path.cost[0] = 0, 0.0, 0.0
+    path.gear[0], path.position[0], path.cost[0] = task.first_gear, 0.0, 0.0
     pieces = path.pieces
     for i in range(path.piece_count[0]):
         x, y, tangent = advanced(path.x[i], path.y[i], path.tangent[i], pieces.curvature[i], pieces.length[i])
@@ -101,7 +101,10 @@ def measure(task: Task, path: Path, start: Pose) -> float:
         path.gear[i + 1] = gear_of(pieces.length[i], path.gear[i])
         path.position[i + 1] = path.position[i] + abs(pieces.length[i])
         path.cost[i + 1] = path.cost[i] + _piece_cost(task, path, i)
-    return float(path.cost[path.piece_count[0]])
+    count = path.piece_count[0]
+    if path.gear[count] * task.last_gear < 0:
+        path.cost[count] += task.gear_change
+    return float(path.cost[count])
 
 
 @borrowing_kernel

@@ -20,7 +20,7 @@ from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touche
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.connection import ALL_WORDS
 from trackctl.planning.footprint import footprint_of
-from trackctl.planning.ground import Cost, Ground, cost_of_a_second, ground_of, rate_at, straight_tangent
+from trackctl.planning.ground import Cost, Ground, cost_of_a_second, gear_motion, ground_of, rate_at, straight_tangent
 from trackctl.planning.pieces import Task
 from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
@@ -54,12 +54,14 @@ class Problem:
         forwards, the tangent is the reverse of the direction of travel, and direction that of the tangent.
     clearance
         To keep between footprint and blocked cells. [m]
+    gears
+        That the vehicle arrives at the start and goes on from the goal in: 1 forwards, -1 backwards, 0 either.
     pivot_speed
         Rate of a turn on the spot on level ground; 0: cannot. [rad/s]
     goal_tolerance
         Of the position [m] and yaw [rad] of the goal; zeros: it is met exactly.
     goal_lead
-        Straight to the goal that is left to be driven after the route. [m]
+        Straight to the goal that is left to be driven after the route, in its last gear: negative backwards. [m]
     """
 
     grid: CollisionGrid
@@ -70,6 +72,7 @@ class Problem:
     forward: SteeringLimits
     backward: SteeringLimits | None = None
     clearance: float = 0.0
+    gears: tuple[int, int] = (0, 0)
     pivot_speed: float = 0.0
     goal_tolerance: tuple[float, float] = (0.0, 0.0)
     goal_lead: float = 0.0
@@ -182,6 +185,8 @@ class Search:
 
     Attributes
     ----------
+    problem
+        Searched for a way.
     improvements
         Routes found so far, each better than the one before.
     reason
@@ -201,12 +206,12 @@ class Search:
             Tells the seconds that improvements are noted with; None: since now.
         """
         self._elapsed = elapsed or stopwatch()
-        self._problem, self._task = problem, task_of(problem, settings)
+        self.problem, self._task = problem, task_of(problem, settings)
         self.improvements: list[Improvement] = []
         target = target_of(problem)
         self._end, goal_reason = surest_end(self._task, target)
-        self.reason = _reason_at(self._task, "start", problem.start) or goal_reason
-        start = tangent_pose(self._task.ground, problem.start)
+        self.reason = _reason_at(self._task, "start", problem.start, problem.gears[0]) or goal_reason
+        start = tangent_pose(self._task.ground, problem.start, problem.gears[0])
         self._state = Anytime(self._task, start, target, self._end, settings.seed)
         self._doubted = True
 
@@ -255,7 +260,7 @@ class Search:
         widths = sorted((float(task.radii[0]), task.obstacles.footprint.reach, task.inner_radius), reverse=True)
         guides = (self._guide(radius) for radius in widths if radius >= task.inner_radius)
         guide = next((each for each in guides if each.size), np.empty((0, 2)))
-        self.reason = "" if guide.size else _separation(self._problem, task)
+        self.reason = "" if guide.size else _separation(self.problem, task)
         self._state.follow(guide)
 
     def result(self) -> SearchResult:
@@ -269,12 +274,12 @@ class Search:
         if self.reason or self.improvements:
             return self.reason
         if not self._guide(self._task.inner_radius).size:
-            return _separation(self._problem, self._task)
+            return _separation(self.problem, self._task)
         return f"goal not reached: no connection in {self.iterations} iterations"
 
     def _guide(self, radius: float) -> Array:
         """Way of a disc of some radius [m], shape (n, 2); empty if it has none."""
-        start, goal = self._problem.start, self._end.route
+        start, goal = self.problem.start, self._end.route
         place, reach = (float(goal[0]), float(goal[1])), self._state.slack
         return disc_way(self._task.obstacles, (start[0], start[1]), place, reach, radius)
 
@@ -313,6 +318,8 @@ def task_of(problem: Problem, settings: Settings) -> Task:
         gear_change=settings.gear_change * second,
         pivot_rate=pivot_rate,
         can_reverse=problem.backward is not None,
+        first_gear=problem.gears[0],
+        last_gear=problem.gears[1],
         inner_radius=inner,
         least_rate=min(ground.forward.least_rate, ground.backward.least_rate),
         estimates=np.empty(ALL_WORDS),
@@ -324,27 +331,27 @@ def target_of(problem: Problem) -> Target:
     return Target(*map(float, (*problem.goal, *problem.goal_tolerance, problem.goal_lead)))
 
 
-def tangent_pose(ground: Ground, pose: Pose) -> Pose:
-    """The pose with the tangent of straight driving in place of the body's yaw."""
+def tangent_pose(ground: Ground, pose: Pose, gear: int) -> Pose:
+    """The pose with the tangent of straight driving in a gear in place of the body's yaw."""
     x, y, yaw = map(float, pose)
-    return x, y, float(straight_tangent(ground, ground.forward, x, y, yaw))
+    return x, y, float(straight_tangent(ground, gear_motion(ground, gear), x, y, yaw))
 
 
 def surest_end(task: Task, target: Target) -> tuple[End, str]:
     """The goal itself or, where that will not do, an end close to it; and why neither will do."""
     x, y, yaw = target.x, target.y, target.yaw
     if target.lead:
-        tangent = float(straight_tangent(task.ground, task.ground.forward, x, y, yaw))
+        tangent = tangent_pose(task.ground, (x, y, yaw), task.last_gear)[2]
         x, y = x - target.lead * math.cos(tangent), y - target.lead * math.sin(tangent)
-    reason = _reason_at(task, "goal", (x, y, yaw))
+    reason = _reason_at(task, "goal", (x, y, yaw), task.last_gear)
     if reason and not is_exact(target) and (near := nearest_end(task, target)) is not None:
         return near, ""
-    return new_end(tangent_pose(task.ground, (x, y, yaw)), (target.x, target.y, target.yaw)), reason
+    return new_end(tangent_pose(task.ground, (x, y, yaw), task.last_gear), (target.x, target.y, target.yaw)), reason
 
 
-def _reason_at(task: Task, name: str, pose: Pose) -> str:
+def _reason_at(task: Task, name: str, pose: Pose, gear: int) -> str:
     """Why nothing can be driven from or to a pose; empty if nothing is known."""
-    reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose)
+    reason = _blocked(task.obstacles, pose) or _undrivable(task.ground, pose, gear)
     return f"{name}: {reason}" if reason else ""
 
 
@@ -367,8 +374,8 @@ def _blocked(obstacles: Obstacles, pose: Pose) -> str:
     return f"the footprint touches the blocked cell in row {row}, column {column} (x {x:.3f} m, y {y:.3f} m)"
 
 
-def _undrivable(ground: Ground, pose: Pose) -> str:
-    x, y, tangent = tangent_pose(ground, pose)
-    if math.isfinite(rate_at(ground, ground.forward, x, y, tangent, 0.0)[0]):
+def _undrivable(ground: Ground, pose: Pose, gear: int) -> str:
+    x, y, tangent = tangent_pose(ground, pose, gear)
+    if math.isfinite(rate_at(ground, gear_motion(ground, gear), x, y, tangent, 0.0)[0]):
         return ""
     return "the vehicle cannot drive straight there: no feasible speed on this slope in this direction"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from trackctl.compiled import borrowing_kernel
 from trackctl.planning.collision import Obstacles, is_clear
 from trackctl.planning.ground import rate_at, straight_tangent
-from trackctl.planning.pieces import Task, free_length
+from trackctl.planning.pieces import Task, free_length, motion_in
 from trackctl.planning.pose import wrapped
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
 
@@ -40,7 +40,7 @@ class Target(NamedTuple):
     distance, turn
         Tolerance of position [m] and yaw [rad], 0: met exactly.
     lead
-        Straight from the end of a route to that of the plan. [m]
+        Straight from the end of a route to that of the plan, negative backwards. [m]
     """
 
     x: float
@@ -87,19 +87,19 @@ def copy_end(source: End, end: End) -> None:
 @borrowing_kernel
 def set_end(task: Task, target: Target, x: float, y: float, yaw: float, end: End) -> bool:
     """Let a plan end at a pose of the body, if that is clear and can be driven to straight; whether it is so."""
-    ground, cos_yaw, sin_yaw = task.ground, math.cos(yaw), math.sin(yaw)
+    ground, motion, cos_yaw, sin_yaw = task.ground, motion_in(task, task.last_gear), math.cos(yaw), math.sin(yaw)
     if not is_clear(task.obstacles, x, y, cos_yaw, sin_yaw, 0.0):
         return False
-    tangent = straight_tangent(ground, ground.forward, x, y, yaw)
+    tangent = straight_tangent(ground, motion, x, y, yaw)
     from_x, from_y = x - target.lead * math.cos(tangent), y - target.lead * math.sin(tangent)
-    tangent = straight_tangent(ground, ground.forward, from_x, from_y, yaw)
-    if rate_at(ground, ground.forward, from_x, from_y, tangent, 0.0)[0] == np.inf:
+    tangent = straight_tangent(ground, motion, from_x, from_y, yaw)
+    if rate_at(ground, motion, from_x, from_y, tangent, 0.0)[0] == np.inf:
         return False
     if not is_clear(task.obstacles, from_x, from_y, cos_yaw, sin_yaw, 0.0):
         return False
     end.route[0], end.route[1], end.route[2] = from_x, from_y, tangent
     end.body[0], end.body[1], end.body[2] = x, y, yaw
-    return free_length(task, from_x, from_y, tangent, 0.0, target.lead) >= target.lead
+    return free_length(task, from_x, from_y, tangent, 0.0, target.lead) >= abs(target.lead)
 
 
 @borrowing_kernel

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from trackctl.errors import NoAnswerError
-from trackctl.planning.ground import Cost, straight_tangent
+from trackctl.planning.ground import Cost
 from trackctl.planning.search import Improvement, Problem, Search, Settings, stopwatch
 from trackctl.planning.slope_field import SlopeField
 from trackctl.workflows.plan_drive import (
@@ -26,6 +26,7 @@ from trackctl.workflows.plan_drive import (
     slopes_at,
 )
 from trackctl.workflows.plan_jumps import drive_jumps, jumps_note
+from trackctl.workflows.plan_leads import in_gears, led_in
 from trackctl.workflows.plan_rows import Rows, rows_of
 
 Progress = Callable[[float, float], None]
@@ -34,6 +35,8 @@ Progress = Callable[[float, float], None]
 DEVIATION = 0.05
 #: Blends move a path by more than they cut where its pieces are many; then so many times the room is tried.
 MORE_ROOM = (3.0, 9.0)
+#: Of the time that is left, or of the iterations, what the search for the gears at the ends of a plan has.
+PROBED = 0.25
 #: Routes that are tried to drive, the best first.
 MOST_ROUTES = 8
 #: Of the time that is left, what an attempt has until a route of one can be driven.
@@ -46,18 +49,6 @@ def slope_range(field: SlopeField) -> tuple[float, float]:
     """Least and largest slope of a map. [rad]"""
     slopes = np.arctan(np.hypot(field.gradient_x, field.gradient_y))
     return float(np.nanmin(slopes)), float(np.nanmax(slopes))
-
-
-def led_in(model: DriveModel, problem: Problem) -> Problem:
-    """The problem from half a blend ahead of the start to half a blend short of the goal, driven straight."""
-    ways = []
-    for x, y, _ in (problem.start, problem.goal):
-        slope = float(slopes_at(model, np.array([x]), np.array([y]))[0])
-        ways.append(0.5 * min(LONG_BLENDS) * blend_length(model, slope, model.sharpest))
-    x, y, yaw = problem.start
-    tangent = straight_tangent(model.pace, model.pace.forward, x, y, yaw)
-    start = x + ways[0] * math.cos(tangent), y + ways[0] * math.sin(tangent), yaw
-    return replace(problem, start=start, goal_lead=ways[1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,8 +108,9 @@ def driven_plan(
     NoAnswerError
         If there is none.
     """
-    planned = attempts(model, problem, pivot)
-    allowance = Allowance(settings, len(planned), progress, elapsed or stopwatch())
+    allowance = Allowance(settings, progress, elapsed or stopwatch())
+    planned = attempts(model, problem, pivot, end_gears(problem, settings, allowance))
+    allowance.expect(len(planned))
     driving = Driving(model, problem, settings.cost, allowance)
     searches: list[Search] = []
     for attempt in planned:
@@ -159,11 +151,11 @@ class Allowance:
         Tells the seconds since the start.
     """
 
-    def __init__(self, settings: Settings, searches: int, progress: Progress, elapsed: Callable[[], float]) -> None:
+    def __init__(self, settings: Settings, progress: Progress, elapsed: Callable[[], float]) -> None:
         self.is_timed = settings.iterations is None
         self.elapsed = elapsed
         self._iterations, self._limit = settings.iterations, settings.time_limit
-        self._progress, self._done, self._total = progress, 0, searches * (settings.iterations or 0)
+        self._progress, self._done, self._total = progress, 0, 0
 
     @property
     def left(self) -> float:
@@ -175,10 +167,23 @@ class Allowance:
         """Whether the time limit is over."""
         return self.left <= 0.0
 
+    def expect(self, searches: int) -> None:
+        """Take the iterations of so many searches for all that there is to do."""
+        self._total = searches * (self._iterations or 0)
+
     def let(self, search: Search, share: float) -> None:
         """Let a search go on for a share of the time that is left, or for all its iterations."""
-        until = self._limit - (1.0 - share) * self.left if self.is_timed else None
-        search.go_on(self._iterations, until, self._tell)
+        search.go_on(self._iterations, self._until(share), self._tell)
+
+    def probe(self, search: Search, share: float) -> None:
+        """Let a search besides those that are expected go on for a share of the time that is left, or of iterations."""
+        if self._iterations is None:
+            search.go_on(None, self._until(share), self._tell)
+        else:
+            search.go_on(max(int(share * self._iterations), 1), None)
+
+    def _until(self, share: float) -> float | None:
+        return self._limit - (1.0 - share) * self.left if self.is_timed else None
 
     def _tell(self, iterations: int) -> None:
         self._done += iterations
@@ -224,7 +229,8 @@ class Driving:
         self._tried.add((improvement, longer))
         begin = self._allowance.elapsed()
         try:
-            lines = drive_route(self._model, improvement.route, self._problem.start, improvement.goal, longer)
+            route = in_gears(improvement.route, search.problem.gears)
+            lines = drive_route(self._model, route, self._problem.start, improvement.goal, longer)
         except UndrivableError as error:
             self._reasons.append(f"a way was found but cannot be driven: {error}")
             if isinstance(error, SlippingError):
@@ -239,7 +245,8 @@ class Driving:
         patient = replace(self._model, more_slip=MUCH_MORE_SLIP) if self._slipping else self._model
         for search, improvement, longer in self._slipping[:MOST_ROUTES]:
             try:
-                lines = drive_route(patient, improvement.route, self._problem.start, improvement.goal, longer)
+                route = in_gears(improvement.route, search.problem.gears)
+                lines = drive_route(patient, route, self._problem.start, improvement.goal, longer)
             except UndrivableError:
                 if self._allowance.is_used_up:
                     return
@@ -303,12 +310,25 @@ def driven_cost(cost: Cost, rows: Rows, searched_cost: float) -> float:
             return searched_cost
 
 
-def attempts(model: DriveModel, problem: Problem, pivot: bool | None) -> list[Problem]:
-    """Searches to be made until a route can be driven, with turns on the spot as of `driven_plan`.
+def end_gears(problem: Problem, settings: Settings, allowance: Allowance) -> tuple[int, int]:
+    """Gears at start and goal of a route that a short search finds; 0 if they may be either."""
+    if problem.backward is None:
+        return 1, 1
+    probe = Search(problem, settings, allowance.elapsed)
+    allowance.probe(probe, PROBED)
+    route = probe.result().route
+    if route is None:
+        return 0, 0
+    driven = np.sign(route.length[route.length != 0.0]).astype(int)
+    return (int(driven[0]), int(driven[-1])) if driven.size else (0, 0)
+
+
+def attempts(model: DriveModel, problem: Problem, pivot: bool | None, gears: tuple[int, int]) -> list[Problem]:
+    """Searches to be made until a route can be driven, turns on the spot as of `driven_plan`, gears as of `end_gears`.
 
     Those with turns start and end at the poses themselves: a turn needs no lead.
     """
-    moving = moving_attempts(model, problem)
+    moving = moving_attempts(model, problem, gears)
     if pivot is False or (speed := pivot_speed(model)) == 0.0:
         return moving
     rooms = (cut_of(model, problem), 0.0)
@@ -327,21 +347,22 @@ def cut_of(model: DriveModel, problem: Problem) -> float:
     return model.sharpest * (min(LONG_BLENDS) * first_blend(model, problem)) ** 2 / 24.0
 
 
-def moving_attempts(model: DriveModel, problem: Problem) -> list[Problem]:
+def moving_attempts(model: DriveModel, problem: Problem, gears: tuple[int, int]) -> list[Problem]:
     """Searches to be made until a route without turns on the spot can be driven.
 
     Blends cut corners, and on a slope the vehicle leaves its plan: the first searches
     keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
-    The last one starts and ends at the poses themselves; when driving backwards is allowed, whether the ends are driven
-    forwards is not known beforehand, and there is no other. It comes first where the goal is so near that the blends at
-    both ends would overlap.
+    They start and end half a blend from the poses themselves, in given gears, unless those are not known; the last ones
+    at the poses. Those come first where the goal is so near that the blends at both ends would overlap.
     """
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
     cut = cut_of(model, problem)
-    led = problem if problem.backward is not None else led_in(model, problem)
+    led = led_in(model, problem, gears) if all(gears) else problem
     preferred = () if away == 0.0 or problem.clearance > 0.0 else (cut + away, cut + away / 3.0)
     rooms = (*preferred, cut, *(factor * cut for factor in MORE_ROOM), 0.0)
     found = [replace(led, clearance=problem.clearance + room) for room in rooms]
-    if math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * first_blend(model, problem):
-        return [problem, *found]
-    return found if problem.backward is not None else [*found, problem]
+    if led is problem:
+        return found
+    exact = [problem] if problem.backward is None else [replace(problem, clearance=problem.clearance + cut), problem]
+    is_near = math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * first_blend(model, problem)
+    return [*exact, *found] if is_near else [*found, *exact]
