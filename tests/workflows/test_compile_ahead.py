@@ -25,7 +25,7 @@ def test_another_process_does_all_that_it_is_for(monkeypatch, task):
 
 def test_what_has_been_compiled_is_not_used_again(monkeypatch):
     used = []
-    monkeypatch.setitem(TASKS, "search", (lambda: used.append("search"), "polish.polish"))
+    monkeypatch.setitem(TASKS, "search", (lambda: used.append("search"), "simplification.simplify"))
     for compiled in (True, False):
         with_cores(monkeypatch, 2, compiled)
         make_ready("search")

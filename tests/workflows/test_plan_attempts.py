@@ -10,6 +10,7 @@ from planning_cases import level_limits, level_problem
 
 from trackctl.errors import NoAnswerError
 from trackctl.planning.search import Search, Settings, search
+from trackctl.planning.simplification import MOST_LOSS
 from trackctl.workflows import plan_attempts
 from trackctl.workflows.plan_attempts import LONG_BLENDS, driven_plan
 from trackctl.workflows.plan_drive import UndrivableError
@@ -120,6 +121,16 @@ def test_an_attempt_that_gives_up_passes_its_time_on(plan):
     assert found.search.improvements
 
 
+@pytest.mark.parametrize("limit", [0.005, 0.01, 0.02, 0.04])
+def test_searches_without_a_route_go_on_while_there_is_time(plan, limit):
+    walled = BLOCKED.copy()
+    walled[:, 55:65] = True
+    closed = level_problem(walled, PROBLEM.start, PROBLEM.goal)
+    world, found = plan(lambda attempt, longer, now: True, [closed] * 2, time_limit=limit)
+    assert found.startswith("goal not reachable: obstacles close off the start")
+    assert world.drives == []
+
+
 def test_the_best_that_can_be_driven_is_handed_out(plan):
     """Later routes are better, but only the first drives go well."""
     world, found = plan(lambda attempt, longer, now: now < 0.4 * LIMIT, time_limit=LIMIT)
@@ -140,6 +151,21 @@ def test_long_blends_are_tried_on_all_attempts_before_short_ones(plan):
     world, found = plan(lambda attempt, longer, now: longer == 1.0, iterations=200)
     assert [drive[:2] for drive in world.drives] == [*((k, long) for k in range(4) for long in LONG_BLENDS), (0, 1.0)]
     assert found.search.iterations == 200
+
+
+def test_the_best_route_is_driven_with_fewer_pieces_and_then_as_it_was_found(plan):
+    tried = []
+
+    def second_of_the_first(attempt, longer, now):
+        tried.append(attempt == 0 and longer == 1.0)
+        return sum(tried) == 2
+
+    first = plan(lambda attempt, longer, now: True, iterations=600)[1]
+    second = plan(second_of_the_first, iterations=600)[1]
+    best = first.search.improvements[-1]
+    assert first.improvement.route.length.size < best.route.length.size
+    assert first.improvement.cost == pytest.approx(best.cost, rel=MOST_LOSS)
+    assert second.improvement is second.search.improvements[-1]
 
 
 def test_progress_runs_once(plan):

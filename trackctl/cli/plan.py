@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 DEFAULT_TIME_LIMIT = 1.0
 STEEPEST_DEG, FASTEST, WIDEST_CLEARANCE, LONGEST_SEARCH, MOST_ITERATIONS = 44.9, 100.0, 100.0, 3600.0, 10**9
 #: The kernel that tells whether there has been a run.
-SEARCH = "polish.polish"
+SEARCH = "simplification.simplify"
 #: An end as close to the goal is met. [m], [rad]
 MET = 1e-5
 FARTHEST_OFF, MOST_TURNED_DEG = 1000.0, 180.0

@@ -164,7 +164,7 @@ def _append_all(way: Way, count: int, more: Way, first: int, last: int) -> int:
 
 
 @borrowing_kernel
-def _replace(path: Path, begin: float, end: float, counts: tuple[int, int]) -> int:
+def replace_stretch(path: Path, begin: float, end: float, counts: tuple[int, int]) -> int:
     """Write the path with a stretch replaced by the first and the second way into the spare; its number of pieces."""
     i, j = _piece_at(path, begin), _piece_at(path, end)
     pieces, spare = path.pieces, path.spare
@@ -181,7 +181,7 @@ def _replace(path: Path, begin: float, end: float, counts: tuple[int, int]) -> i
 
 
 @borrowing_kernel
-def _swap(path: Path, count: int) -> None:
+def swap(path: Path, count: int) -> None:
     """Exchange the path's pieces for the spare ones."""
     for i in range(max(count, path.piece_count[0])):
         curvature, length, pivot = path.pieces.curvature[i], path.pieces.length[i], path.pieces.pivot[i]
@@ -277,13 +277,13 @@ def polish(task: Task, path: Path, stream: Stream, target: Target, iterations: i
         counts = _detour(task, path, stream, begin, end, goal, radius, bound)
         if counts[0] == 0:
             continue
-        changed = _replace(path, begin, end, counts)
+        changed = replace_stretch(path, begin, end, counts)
         if changed >= CAPACITY:
             continue
-        _swap(path, changed)
+        swap(path, changed)
         path.piece_count[0] = changed
         if not measure(task, path, start) < cost * (1.0 - GAIN):
-            _swap(path, max(changed, count))
+            swap(path, max(changed, count))
             path.piece_count[0] = count
             measure(task, path, start)
         else:

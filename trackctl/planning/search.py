@@ -10,7 +10,7 @@ import functools
 import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,7 @@ from trackctl.planning.ground import Cost, Ground, cost_of_a_second, gear_motion
 from trackctl.planning.pieces import Task
 from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
+from trackctl.planning.simplification import simplified
 from trackctl.planning.slope_field import SlopeField, plane_slope
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.target import End, Target, is_exact, nearest_end, new_end
@@ -263,6 +264,13 @@ class Search:
         self.reason = "" if guide.size else _separation(self.problem, task)
         self._state.follow(guide)
 
+    def with_fewer_pieces(self, found: Improvement) -> Improvement:
+        """A route of this search with fewer pieces, if it is driven without turns on the spot; else the same."""
+        if np.any(found.route.pivot != 0.0):
+            return found
+        route, cost = simplified(self._task, found.route)
+        return replace(found, route=route, cost=cost) if route.length.size < found.route.length.size else found
+
     def result(self) -> SearchResult:
         """What has come of it so far."""
         reason = self._reason_so_far()
@@ -299,6 +307,7 @@ def load_kernels() -> None:
     found = Search(empty_room(), Settings())
     found.follow_guide()
     found.go_on(2, None)
+    found.with_fewer_pieces(found.improvements[-1])
 
 
 def task_of(problem: Problem, settings: Settings) -> Task:

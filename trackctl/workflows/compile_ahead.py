@@ -135,7 +135,7 @@ def use_simulation() -> None:
 #: What can be compiled ahead, and a kernel that is there once that is done.
 TASKS: dict[str, tuple[Callable[[], None], str]] = {
     "table": (use_table, "column.solve_column"),
-    "search": (use_search, "polish.polish"),
+    "search": (use_search, "simplification.simplify"),
     "driving": (use_driving, "clearance._least_clearance"),
     "simulation": (use_simulation, "motion.loads_along"),
 }

@@ -118,18 +118,17 @@ def driven_plan(
             break
         searches.append(Search(attempt, settings, allowance.elapsed))
         allowance.let(searches[-1], SHARE)
-        driving.drive_one(
-            searches[-1], [(each, long) for each in searches[-1].improvements[-1:] for long in LONG_BLENDS]
-        )
+        best = driving.routes(searches[-1])[:1]
+        driving.drive_one(searches[-1], [(each, long) for each in best for long in LONG_BLENDS])
     for search in searches:
         if driving.best is None and not allowance.is_used_up:
-            driving.drive_one(search, [(each, 1.0) for each in search.improvements[::-1][:MOST_ROUTES]])
+            driving.drive_one(search, [(each, 1.0) for each in driving.routes(search)[:MOST_ROUTES]])
     while allowance.is_timed and not allowance.is_used_up and (hopeful := driving.worth_going_on(searches)):
         for search in hopeful:
             allowance.let(search, driving.share)
-            driving.drive_one(
-                search, [(each, long) for each in search.improvements[-1:] for long in (*LONG_BLENDS, 1.0)]
-            )
+            routes = driving.routes(search)
+            long_blends = [(each, long) for each in routes[:1] for long in LONG_BLENDS]
+            driving.drive_one(search, [*long_blends, *((each, 1.0) for each in routes[:2])])
     if driving.best is None:
         driving.drive_slipping()
     for attempt, search in zip(planned, searches, strict=False):
@@ -206,10 +205,20 @@ class Driving:
         self.best: DrivenPlan | None = None
         self._model, self._problem, self._cost, self._allowance = model, problem, cost, allowance
         self._tried: set[tuple[Improvement, float]] = set()
+        self._with_fewer_pieces: dict[Improvement, Improvement] = {}
         self._reasons: list[str] = []
         self._without_blends: list[str] = []
         self._slipping: list[tuple[Search, Improvement, float]] = []
         self._seconds = 0.0
+
+    def routes(self, search: Search) -> list[Improvement]:
+        """The best route of a search with fewer pieces, sooner blended and better driven, and all, the best first."""
+        if not search.improvements:
+            return []
+        best = search.improvements[-1]
+        if best not in self._with_fewer_pieces:
+            self._with_fewer_pieces[best] = search.with_fewer_pieces(best)
+        return list(dict.fromkeys((self._with_fewer_pieces[best], *search.improvements[::-1])))
 
     def drive_one(self, search: Search, candidates: Sequence[tuple[Improvement, float]]) -> None:
         """Drive the first of a search's routes, each with its blends over the least, that can be driven.
@@ -256,7 +265,7 @@ class Driving:
 
     def drive_with_jumps(self, search: Search) -> None:
         """Drive the best route of a search from pose to pose that can be driven with its jumps of curvature."""
-        for improvement in search.improvements[::-1][:MOST_ROUTES]:
+        for improvement in self.routes(search)[:MOST_ROUTES]:
             try:
                 lines = drive_jumps(self._model, improvement.route, self._problem.start, improvement.goal)
             except UndrivableError as error:
