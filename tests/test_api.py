@@ -162,7 +162,7 @@ def test_a_point_outside_a_table_is_still_solved(opened):
 def test_one_of_several_slopes_is_named(folder):
     several = trackctl.open_table(folder / "slopes.h5")
     assert several.lookup(1.0, 0.2, 0.0, SLOPE).status == Status.CONVERGED
-    with pytest.raises(UsageError, match="slope: nothing is not allowed; allowed: a slope, as the table has 2"):
+    with pytest.raises(UsageError, match="slope: is missing; allowed: a slope, as the table has 2"):
         several.lookup(1.0, 0.2, 0.0)
 
 

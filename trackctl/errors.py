@@ -17,7 +17,7 @@ class UsageError(TrackctlError):
     option
         The option as typed, such as ``--radius-m``.
     value
-        What was given.
+        What was given; None where the option is needed and missing.
     allowed
         What would be accepted, as a phrase.
     """
@@ -26,7 +26,8 @@ class UsageError(TrackctlError):
         self.option = option
         self.value = value
         self.allowed = allowed
-        super().__init__(f"{option}: {value!s} is not allowed; allowed: {allowed}")
+        wrong = "is missing" if value is None else f"{value!s} is not allowed"
+        super().__init__(f"{option}: {wrong}; allowed: {allowed}")
 
 
 class InputFileError(TrackctlError):

@@ -159,7 +159,7 @@ def test_no_cell_with_an_answer_exits_1(folder):
 @pytest.mark.parametrize(
     ("words", "problem"),
     [
-        (["lut.h5"], "--format: nothing is not allowed; allowed: one of c, mat, npz, or --output FILE"),
+        (["lut.h5"], "--format: is missing; allowed: one of c, mat, npz, or --output FILE"),
         (
             ["lut.h5", "-o", "table.csv"],
             "--output: table.csv is not allowed; allowed: a file that ends in .h, .c",
@@ -173,7 +173,7 @@ def test_no_cell_with_an_answer_exits_1(folder):
         (["lut.h5", "-o", "a.c", "--prefix", "1st"], "--prefix: 1st is not allowed; allowed: a letter, then"),
         (["lut.h5", "-o", "a.c", "--prefix", ""], "--prefix:  is not allowed"),
         (["lut.h5", "-o", "a.c", "--prefix", "größe"], "--prefix: größe is not allowed"),
-        (["lut.h5", "-o", "my-robot.c"], "--prefix: nothing is not allowed; allowed: a letter, then"),
+        (["lut.h5", "-o", "my-robot.c"], "--prefix: is missing; allowed: a letter, then"),
         (["lut.h5", "-o", 'a".c'], '--output: a".c is not allowed; allowed: a name of letters'),
         (["lut.h5", "-o", "nowhere/a.c"], "there is no folder"),
         (["cut.h5", "-o", "a.c"], "cut.h5: is damaged or cut off"),

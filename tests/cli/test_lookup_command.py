@@ -172,8 +172,8 @@ def test_the_limits_of_the_vehicle_given_apply(run, folder):
     ("words", "problem"),
     [
         (["points.csv", *ONE], "CSV: points.csv is not allowed; allowed: no file beside the options"),
-        (ONE[:4], "--heading-deg: nothing is not allowed; allowed: a number"),
-        (["--slope-deg", 12], "--velocity-mps: nothing is not allowed"),
+        (ONE[:4], "--heading-deg: is missing; allowed: a number"),
+        (["--slope-deg", 12], "--velocity-mps: is missing"),
         (["--velocity-mps", 0, *ONE[2:]], "--velocity-mps: 0.0 is not allowed; allowed: above 0"),
         (["--velocity-mps", "nan", *ONE[2:]], "--velocity-mps: nan is not allowed; allowed: above 0"),
         (["--velocity-mps", "inf", *ONE[2:]], "--velocity-mps: inf is not allowed"),
@@ -250,4 +250,4 @@ def test_without_points_on_a_terminal_the_command_says_what_it_needs(run, monkey
     monkeypatch.setattr("trackctl.cli.lookup.is_terminal", lambda: True)
     result = run("lut.h5")
     assert result.exit_code == 2
-    assert "CSV: nothing is not allowed; allowed: a file, - for standard input, or --velocity-mps" in result.stderr
+    assert "CSV: is missing; allowed: a file, - for standard input, or --velocity-mps" in result.stderr

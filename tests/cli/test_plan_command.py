@@ -195,6 +195,8 @@ def test_a_closed_wall_leaves_no_path(run, tmp_path):
     assert result.exit_code == 1
     found = json.loads(result.stdout)
     assert found["solved"] is False
+    assert list(found) == list(json.loads(run("plan", "map.yaml", *QUICK, "--json", "-o", "plan.csv").stdout))
+    assert {found[key] for key in found if key not in ("solved", "reason")} == {None}
     assert "goal not reach" in found["reason"]
 
 

@@ -73,7 +73,7 @@ def test_crlf_and_byte_order_mark(plan, tmp_path):
     ("words", "problem"),
     [
         (["missing.csv"], "missing.csv: cannot be read"),
-        (["-"], "--output: nothing is not allowed; allowed: a file, as the input is standard input"),
+        (["-"], "--output: is missing; allowed: a file, as the input is standard input"),
         (["plan.csv", "-o", "plan.jpg"], "--output: plan.jpg is not allowed; allowed: a file that ends in .png, .svg"),
         (["plan.csv", "-o", "-"], "--output: - is not allowed"),
         (["plan.csv", "-o", "nowhere/plan.png"], "there is no folder"),

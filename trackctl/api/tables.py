@@ -192,7 +192,7 @@ class LookupTable:
         """
         nodes = self.table.axes.slope
         if slope is None and nodes.size > 1:
-            raise UsageError("slope", "nothing", f"a slope, as the table has {nodes.size}")
+            raise UsageError("slope", None, f"a slope, as the table has {nodes.size}")
         given = {"slope": nodes[0] if slope is None else slope, "velocity": velocity}
         points, shape = operating_points({**given, "curvature": curvature, "heading": heading})
         if method is LookupMethod.EXACT:

@@ -99,7 +99,7 @@ def identify(
 def log_or_stdin(log: str | None) -> str:
     """The log, or ``-`` where something is piped in."""
     if log is None and sys.stdin.isatty():
-        raise UsageError("LOG", "nothing", "a file, or - for standard input")
+        raise UsageError("LOG", None, "a file, or - for standard input")
     return log or STDIN
 
 

@@ -131,9 +131,7 @@ def points_of_file(csv: str | None) -> tuple[str, dict[str, Column], OperatingPo
     from trackctl.workflows.operating_points import read_points
 
     if csv is None and is_terminal():
-        raise UsageError(
-            "CSV", "nothing", "a file, - for standard input, or --velocity-mps, --radius-m and --heading-deg"
-        )
+        raise UsageError("CSV", None, "a file, - for standard input, or --velocity-mps, --radius-m and --heading-deg")
     table = read_csv(csv or STDIN)
     return table.file, dict(table.columns), read_points(table)
 
@@ -152,7 +150,7 @@ def single_point(csv: str | None, given: dict[str, float | None]) -> tuple[str, 
             check_number(option, value)
             columns[option.replace("-", "_")] = np.array([value])
         elif option != "slope-deg":
-            raise UsageError(f"--{option}", "nothing", "a number, beside the other options of a single point")
+            raise UsageError(f"--{option}", None, "a number, beside the other options of a single point")
     velocity, radius, heading, *slope = (np.asarray(column) for column in columns.values())
     points = OperatingPoints(
         velocity, curvature_of(radius), np.radians(heading), np.radians(slope[0]) if slope else None

@@ -298,7 +298,7 @@ def planned(
     fields: dict[str, Any], how: tuple[int, float, int | None, PlanCost], wait: Wait, quiet: bool, as_json: bool
 ) -> PlanResult:
     """The plan; where there is none, a summary says so if it was asked for."""
-    from trackctl.workflows.plan import PlanRequest, search_settings
+    from trackctl.workflows.plan import PlanRequest, search_settings, summary_without
     from trackctl.workflows.plan import plan as find
 
     request = PlanRequest(**fields, search=search_settings(*how))
@@ -307,7 +307,7 @@ def planned(
             return find(request, compiling, lambda done, total: searching(int(100 * done / total), 100), wait)
     except NoAnswerError as error:
         if as_json:
-            typer.echo(json.dumps({"solved": False, "reason": str(error)}))
+            typer.echo(json.dumps(summary_without(str(error), request.verify)))
         raise
 
 

@@ -74,7 +74,7 @@ def picture_path(file: Path, output: Path | None) -> Path:
     """Where the picture goes, its suffix checked."""
     if output is None:
         if str(file) == STDIN:
-            raise UsageError("--output", "nothing", "a file, as the input is standard input")
+            raise UsageError("--output", None, "a file, as the input is standard input")
         return file.with_suffix(SUFFIXES[0])
     if output.suffix.lower() not in SUFFIXES:
         raise UsageError("--output", output, f"a file that ends in {', '.join(SUFFIXES)}")

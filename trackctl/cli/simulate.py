@@ -231,7 +231,7 @@ def chosen_drive(
         return read_commands(read_csv(commands_csv), carrier.sprocket_radius)
     if track_speeds is not None:
         if duration is None:
-            raise UsageError("--duration-s", "nothing", "a time, beside --track-speeds-mps")
+            raise UsageError("--duration-s", None, "a time, beside --track-speeds-mps")
         left, right = numbers_of(track_speeds, "--track-speeds-mps", "LEFT,RIGHT, two numbers up to 100 either way", 2)
         for value in (left, right):
             check_within("--track-speeds-mps", value, -FASTEST, FASTEST)

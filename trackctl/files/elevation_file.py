@@ -60,7 +60,11 @@ def read_elevation(
     notes: tuple[str, ...] = ()
     spacing, corner = (resolution, resolution) if resolution else grid.spacing, grid.corner
     if spacing is None:
-        raise MapError(path, "does not tell how far apart its heights are; `elevation_resolution_m` does")
+        raise MapError(
+            path,
+            f"does not tell how far apart its heights are; the YAML of a map can: a line `elevation: {path.name}` and "
+            "one `elevation_resolution_m: 0.5`",
+        )
     if not resolution and (looks_geographic(grid) if grid.is_geographic is None else grid.is_geographic):
         spacing, corner, notes = _in_metres(path, grid.height.shape[0], spacing, corner or (0.0, 0.0))
     x, y = origin or corner or (0.0, 0.0)

@@ -17,7 +17,7 @@ from trackctl.files.strict_yaml import STDIN, read_entries, read_text
 from trackctl.planning.planning_map import PlanningMap
 from trackctl.units import accepted_keys
 
-STEEPEST, MOST_TURNED = math.radians(45.0), 20.0 * math.pi
+STEEPEST, MOST_TURNED = math.radians(44.9), 20.0 * math.pi
 PLAN_KEYS = (
     "start", "goal", "goal_tolerance", "slope_deg", "uphill_yaw_deg", "elevation", "elevation_resolution_m",
     "elevation_origin_m", "obstacles", "bounds_m", "vehicle", "terrain", "lut",
@@ -39,7 +39,7 @@ def read_map_yaml(source: str) -> PlanningMap:
         text, file = read_text(source)
         if not text.strip():
             raise MapError(file, "is empty; allowed: a map")
-        entries = read_entries(text, file)
+        entries = read_entries(text, file, hint="")
         if not any(find(entries, key) for key in (*IMAGE_KEYS, *PLAN_KEYS)):
             raise MapError(file, f"is no map; allowed: {', '.join(IMAGE_KEYS)}, and {', '.join(PLAN_KEYS)}")
         return _planning_map(entries, file, Path("." if source == STDIN else source).parent)

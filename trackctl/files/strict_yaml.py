@@ -15,6 +15,7 @@ from trackctl.errors import ProfileError
 
 STDIN = "-"
 STDIN_LABEL = "<stdin>"
+PROFILE_HINT = "; `trackctl profiles new` writes a template"
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 8
 
@@ -62,8 +63,8 @@ def read_text(source: str) -> tuple[str, str]:
         raise ProfileError(file, "is not UTF-8 text; allowed: a YAML file", line) from error
 
 
-def read_entries(text: str, file: str) -> dict[str, Entry]:
-    """The keys and values of a flat YAML mapping, in file order.
+def read_entries(text: str, file: str, hint: str = PROFILE_HINT) -> dict[str, Entry]:
+    """The keys and values of a flat YAML mapping, in file order; the hint says where a good one can be had.
 
     Raises
     ------
@@ -79,9 +80,9 @@ def read_entries(text: str, file: str) -> dict[str, Entry]:
     except yaml.YAMLError as error:
         raise ProfileError(file, f"is not valid YAML: {str(error).splitlines()[0]}") from error
     if root is None:
-        raise ProfileError(file, "is empty; `trackctl profiles new` writes a template")
+        raise ProfileError(file, f"is empty{hint}")
     if not isinstance(root, yaml.MappingNode):
-        raise ProfileError(file, "is no list of `key: value` lines; `trackctl profiles new` writes a template", 1)
+        raise ProfileError(file, f"is no list of `key: value` lines{hint}", 1)
     entries: dict[str, Entry] = {}
     for key_node, node in root.value:
         entry = Entry(file, key_node.start_mark.line + 1, _key(key_node, file), node)

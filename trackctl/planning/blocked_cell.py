@@ -40,10 +40,10 @@ def _reasons(planning_map: PlanningMap, frame: GridFrame, row: int, column: int)
     cell = _cell_alone(frame, row, column)
     for count, circle in enumerate(planning_map.circles, start=1):
         if _touches(cell, block_circle, circle):
-            yield f"touched by circle {count}, of {circle.radius:g} m about ({circle.x:g}, {circle.y:g})"
+            yield f"touched by circle {count}, of {circle.radius:g} m about ({circle.x:.10g}, {circle.y:.10g})"
     for count, polygon in enumerate(planning_map.polygons, start=1):
         if _touches(cell, block_polygon, polygon):
-            yield f"touched by polygon {count}, from ({polygon[0][0]:g}, {polygon[0][1]:g}) on"
+            yield f"touched by polygon {count}, from ({polygon[0][0]:.10g}, {polygon[0][1]:.10g}) on"
     if occupancy is not None and occupancy.cells[row, column] != FREE:
         yield f"neither free nor occupied in {occupancy.source}"
 

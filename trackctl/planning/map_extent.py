@@ -26,7 +26,7 @@ def refuse_outside(planning_map: PlanningMap, name: str, pose: Pose) -> None:
     """
     frame = grid_frame(planning_map)
     if frame.cell(*pose[:2]) is None:
-        place = f"({pose[0]:g}, {pose[1]:g}) m"
+        place = f"({pose[0]:.10g}, {pose[1]:.10g}) m"
         raise MapError(planning_map.file, f"{name}: {place} lies outside the map; allowed: {_reach(frame)}", key=name)
 
 
@@ -34,5 +34,5 @@ def _reach(frame: GridFrame) -> str:
     """How far a grid reaches: from corner to corner, or by all four where it is turned."""
     ends = ((0, 0), (frame.n_columns, 0), (frame.n_columns, frame.n_rows), (0, frame.n_rows))
     corners = [frame.to_world(float(column), float(row)) for column, row in ends]
-    texts = [f"({x:g}, {y:g})" for x, y in corners]
+    texts = [f"({x:.10g}, {y:.10g})" for x, y in corners]
     return f"from {texts[0]} to {texts[2]} m" if frame.yaw == 0.0 else f"between the corners {', '.join(texts)} m"

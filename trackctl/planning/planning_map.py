@@ -201,8 +201,8 @@ def _no_ground(planning_map: PlanningMap, elevation: Elevation) -> MapError:
     left, low, right, high = elevation.bounds
     return MapError(
         planning_map.file,
-        f"no cell lies on known ground of {elevation.source}, which reaches from ({left:g}, {low:g}) to "
-        f"({right:g}, {high:g}) m; `elevation_origin_m: [x, y]` puts its lower left corner elsewhere",
+        f"no cell lies on known ground of {elevation.source}, which reaches from ({left:.10g}, {low:.10g}) to "
+        f"({right:.10g}, {high:.10g}) m; `elevation_origin_m: [x, y]` puts its lower left corner elsewhere",
     )
 
 

@@ -118,7 +118,7 @@ def destination(request: ExportRequest) -> tuple[ExportFormat, Path]:
     kind, output = request.kind, request.output
     if output is None:
         if kind is None:
-            raise UsageError("--format", "nothing", f"one of {', '.join(ExportFormat)}, or --output FILE")
+            raise UsageError("--format", None, f"one of {', '.join(ExportFormat)}, or --output FILE")
         return kind, request.lut.with_suffix(kind.suffixes[0])
     allowed = ALL_SUFFIXES if kind is None else kind.suffixes
     if output.suffix not in allowed:
@@ -135,7 +135,7 @@ def checked_prefix(request: ExportRequest, output: Path) -> str:
         return output.stem
     prefix, allowed = request.prefix, f"a letter, then letters, digits and _, at most {LONGEST_PREFIX} in all"
     if prefix is None:
-        raise UsageError("--prefix", "nothing", f"{allowed}, as the name of {output.name} is no such")
+        raise UsageError("--prefix", None, f"{allowed}, as the name of {output.name} is no such")
     if not is_prefix(prefix):
         raise UsageError("--prefix", prefix, allowed)
     return prefix

@@ -278,13 +278,14 @@ def poses_of(request: PlanRequest) -> tuple[Pose, Pose]:
         pose = getattr(request.planning_map, name)
         if pose is None:
             raise UsageError(
-                f"--{name}", "nothing", f"X,Y,YAW_DEG, here or as `{name}: [x_m, y_m, yaw_deg]` in the map's YAML"
+                f"--{name}", None, f"X,Y,YAW_DEG, here or as `{name}: [x_m, y_m, yaw_deg]` in the map's YAML"
             )
         if frame.cell(pose[0], pose[1]) is None:
             corners = [frame.to_world(c, r) for c in (0.0, frame.n_columns) for r in (0.0, frame.n_rows)]
             x, y = ([corner[k] for corner in corners] for k in (0, 1))
-            given = f"{pose[0]:g},{pose[1]:g},{math.degrees(pose[2]):g}"
-            allowed = f"a place on the map, x from {min(x):g} to {max(x):g} m, y from {min(y):g} to {max(y):g} m"
+            given = f"{pose[0]:.10g},{pose[1]:.10g},{math.degrees(pose[2]):g}"
+            x_range, y_range = (f"{min(v):.10g} to {max(v):.10g} m" for v in (x, y))
+            allowed = f"a place on the map, x from {x_range}, y from {y_range}"
             raise UsageError(f"--{name}", given, allowed)
         found.append(pose)
     return found[0], found[1]
@@ -323,6 +324,15 @@ def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
         f"{request.vehicle.name} can drive in no direction on {request.terrain.name} on this slope ({where}): "
         "there is no equilibrium within the limits of the profile"
     )
+
+
+def summary_without(reason: str, verify: bool) -> dict[str, object]:
+    """What `summary_of` has where there is no plan, for some reason."""
+    keys = (
+        *("first_solution_s", "planning_s", "length_m", "duration_s", "cost", "nodes", "min_clearance_m"),
+        *(("max_deviation_m", "no_slip_max_deviation_m", "collision", "simulated_min_clearance_m") if verify else ()),
+    )
+    return {"solved": False, **dict.fromkeys(keys), "reason": reason}
 
 
 def summary_of(result: PlanResult) -> dict[str, object]:

@@ -68,6 +68,8 @@ LONG_BLENDS = (2.0, 1.5)
 SLIGHT = 3e-3
 #: Ramps of a way as gentle as that, over its length.
 GENTLE_RAMP = 0.2
+#: Places so near an end are called by it [m], and curvatures that are none. [1/m]
+NEAR, STRAIGHT = 0.2, 1e-3
 #: Slope from which tight turns, of radii below two contact lengths, need blends of as much. [rad]
 STEEP = math.radians(15.0)
 
@@ -369,12 +371,28 @@ def check_roughly(model: DriveModel, lines: Sequence[Line]) -> None:
         speed, sideslip, _ = limits_along(model, line, pose, curvature)
         if not (speed > 0.0).all():
             place = int(np.argmin(speed > 0.0))
-            raise UndrivableError(
-                f"no feasible speed at ({pose[0][place]:.2f}, {pose[1][place]:.2f}) m, in a turn of "
-                f"{curvature[place]:.3g} 1/m"
-            )
+            raise UndrivableError(infeasible_place(model, lines, line, place))
         yaw = pose[2] - sideslip + (math.pi if line.backwards else 0.0)
         check_poses(model, pose[0], pose[1], yaw)
+
+
+def infeasible_place(model: DriveModel, lines: Sequence[Line], line: Line, sample: int) -> str:
+    """Where on lines no steady turn is feasible, and what it would have been."""
+    arc_length, (x, y, direction), curvature = samples_of(model, line)
+    done = sum(each.length for each in lines[: lines.index(line)]) + arc_length[sample]
+    left = sum(each.length for each in lines) - done
+    if min(done, left) < NEAR:
+        where = "at the start" if done < left else "at the goal"
+    else:
+        where = f"{done:.2f} m from the start and {left:.2f} m before the goal"
+    g_x, g_y = gradients_along(model.field, x[[sample]], y[[sample]])
+    slope, uphill = math.degrees(math.atan(math.hypot(g_x[0], g_y[0]))), math.atan2(g_y[0], g_x[0])
+    heading = math.degrees(direction[sample] - uphill) % 360.0
+    turn = f"a turn of {curvature[sample]:.3g} 1/m" if abs(curvature[sample]) > STRAIGHT else "straight driving"
+    return (
+        f"{where}, ({x[sample]:.2f}, {y[sample]:.2f}) m, it has no speed for {turn} on a slope of {slope:.3g} deg, "
+        f"{heading:.0f} deg from up-slope: there is no equilibrium within the profile's limits"
+    )
 
 
 def check_poses(model: DriveModel, x: Array, y: Array, yaw: Array) -> None:
