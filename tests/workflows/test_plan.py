@@ -1,5 +1,6 @@
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,10 +9,13 @@ from trackctl.errors import LutMismatchError, NoAnswerError, UsageError
 from trackctl.files.lut_writer import write_lut
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.geometry.circle import Circle
+from trackctl.planning.blending import Line
 from trackctl.planning.elevation import Elevation
 from trackctl.planning.planning_map import PlanningMap
 from trackctl.planning.search import Settings
+from trackctl.planning.slope_field import plane_slope
 from trackctl.workflows.plan import PlanRequest, plan
+from trackctl.workflows.plan_drive import infeasible_place, samples_of
 from trackctl.workflows.plan_verification import planned_ground
 from trackctl.workflows.unrolled_ground import unrolled
 
@@ -151,6 +155,17 @@ def test_a_goal_where_the_start_is_leaves_nothing_to_drive(ahead, says):
     x, y, yaw = PLANE.start
     with pytest.raises(NoAnswerError, match=says):
         planned(replace(PLANE, goal=(x + ahead, y, yaw + 2.0 * math.pi)))
+
+
+def test_where_there_is_no_speed_is_said_by_the_nearer_end():
+    lines = [Line(False, (0.0, 0.0, math.pi), np.array([0.0, 2.0]), np.zeros(2)) for _ in range(2)]
+    model = SimpleNamespace(vehicle=VEHICLE, field=plane_slope(math.radians(30.0), 0.5 * math.pi))
+    last = samples_of(model, lines[0])[0].size - 1
+    assert infeasible_place(model, lines, lines[0], 0).startswith("at the start, (0.00, 0.00) m")
+    assert infeasible_place(model, lines, lines[1], last).startswith("at the goal, (-2.00, 0.00) m")
+    middle = infeasible_place(model, lines, lines[0], last)
+    assert middle.startswith("2.00 m from the start and 2.00 m before the goal")
+    assert "straight driving on a slope of 30 deg, 90 deg from up-slope" in middle
 
 
 def test_hills_unrolled_lead_back_to_the_map():
