@@ -118,6 +118,10 @@ def test_what_a_map_lays_down_for_a_plan(written, tmp_path):
     assert found.polygons == (((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)),)
 
 
+def test_a_goal_tolerance_of_one_number_is_that_of_the_position(written):
+    assert read_planning_map(written(ROS | {"goal_tolerance": "0.25"})).goal_tolerance == (0.25, 0.0)
+
+
 def test_other_units_of_the_same_quantity(written):
     found = read_planning_map(written({"slope_rad": "0.2", "bounds_cm": "[0, 0, 100, 200]"}))
     assert (found.slope, found.bounds) == (0.2, (0.0, 0.0, 1.0, 2.0))
@@ -169,7 +173,9 @@ def test_elevation_grids_beside_a_map(written):
             "line 7: goal_tolerance: .nan is no finite decimal number; allowed: 0 to 180",
         ),
         ({"goal_tolerance": "[near, 5]"}, "line 7: goal_tolerance: 'near' is no number; allowed: 0 to 1000"),
-        ({"goal_tolerance": "0.1"}, "line 7: goal_tolerance: is no list; allowed: [position_m, yaw_deg]"),
+        ({"goal_tolerance": "-0.1"}, "line 7: goal_tolerance: -0.1 is not allowed; allowed: 0 to 1000"),
+        ({"goal_tolerance": "near"}, "line 7: goal_tolerance: 'near' is no number; allowed: 0 to 1000"),
+        ({"goal_tolerance": "[1, 2, 3]"}, "line 7: goal_tolerance: has 3 numbers; allowed: [position_m, yaw_deg]"),
         ({"slope_deg": "45.5"}, "line 7: slope_deg: 45.5 is not allowed; allowed: 0 to 44.9"),
         ({"slope_deg": "steep"}, "line 7: slope_deg: 'steep' is no number; allowed: 0 to 44.9"),
         ({"slope_deg": "5", "slope_rad": "0.1"}, "line 8: slope_rad: stands in line 7 as slope_deg"),

@@ -29,7 +29,7 @@ SEARCH = "simplification.simplify"
 #: An end as close to the goal is met. [m], [rad]
 MET = 1e-5
 FARTHEST_OFF, MOST_TURNED_DEG = 1000.0, 180.0
-POSE, TOLERANCE = "X,Y,YAW_DEG", "M,DEG"
+POSE, TOLERANCE = "X,Y,YAW_DEG", "M[,DEG]"
 
 
 def plan(
@@ -270,12 +270,12 @@ def pose_of(text: str, option: str) -> tuple[float, float, float]:
 
 
 def tolerance_of(text: str, option: str) -> tuple[float, float]:
-    """``M,DEG``, with the angle in rad."""
+    """``M[,DEG]``, with the angle in rad; 0 if none is given."""
     allowed = f"{TOLERANCE}: 0 to {FARTHEST_OFF:g} m and 0 to {MOST_TURNED_DEG:g} deg"
-    parts = text.split(",")
-    if len(parts) != 2:
+    found = [number(part, option, allowed) for part in text.split(",")]
+    if len(found) > 2:
         raise UsageError(option, text, allowed)
-    distance, turn = (number(part, option, allowed) for part in parts)
+    distance, turn = (*found, 0.0)[:2]
     if not (0.0 <= distance <= FARTHEST_OFF and 0.0 <= turn <= MOST_TURNED_DEG):
         raise UsageError(option, text, allowed)
     return distance, math.radians(turn)

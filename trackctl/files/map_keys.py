@@ -69,8 +69,11 @@ def pose(entry: Entry) -> tuple[float, float, float]:
 
 
 def tolerance(entry: Entry) -> tuple[float, float]:
-    """``[position_m, yaw_deg]``, the yaw in rad."""
-    position, yaw = numbers(entry, {"position_m": (0.0, 1000.0), "yaw_deg": (0.0, 180.0)})
+    """``[position_m, yaw_deg]``, the yaw in rad, or the position alone, the yaw exact."""
+    ranges = {"position_m": (0.0, 1000.0), "yaw_deg": (0.0, 180.0)}
+    if isinstance(entry.node, yaml.ScalarNode):
+        return ranged(entry, *ranges["position_m"]), 0.0
+    position, yaw = numbers(entry, ranges)
     return position, math.radians(yaw)
 
 
