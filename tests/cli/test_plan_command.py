@@ -166,7 +166,7 @@ def test_json_and_ros(run):
         (("--goal", "15,5,0"), 2, "x from 0 to 10 m"),
         (("--goal", "5,5"), 2, "X,Y,YAW_DEG"),
         (("--goal", "5,5,0", "--goal-tolerance", "0.2,10"), 1, "goal, anywhere within 0.2 m and 10 deg: the footprint"),
-        (("--goal-tolerance", "0.2"), 2, "M,DEG: 0 to 1000 m and 0 to 180 deg"),
+        (("--goal-tolerance", "0.2,1,2"), 2, "M[,DEG]: 0 to 1000 m and 0 to 180 deg"),
         (("--goal-tolerance", "-0.1,5"), 2, "--goal-tolerance: -0.1,5 is not allowed"),
         (("--goal-tolerance", "nan,5"), 2, "--goal-tolerance: nan is not allowed"),
         (("--goal-tolerance", "0.1,181"), 2, "--goal-tolerance: 0.1,181 is not allowed"),

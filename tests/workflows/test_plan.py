@@ -15,7 +15,7 @@ from trackctl.planning.planning_map import PlanningMap
 from trackctl.planning.search import Settings
 from trackctl.planning.slope_field import plane_slope
 from trackctl.workflows.plan import PlanRequest, plan
-from trackctl.workflows.plan_drive import infeasible_place, samples_of
+from trackctl.workflows.plan_line import infeasible_place, samples_of
 from trackctl.workflows.plan_verification import planned_ground
 from trackctl.workflows.unrolled_ground import unrolled
 

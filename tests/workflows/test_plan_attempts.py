@@ -13,7 +13,7 @@ from trackctl.planning.search import Search, Settings, search
 from trackctl.planning.simplification import MOST_LOSS
 from trackctl.workflows import plan_attempts
 from trackctl.workflows.plan_attempts import LONG_BLENDS, driven_plan
-from trackctl.workflows.plan_drive import UndrivableError
+from trackctl.workflows.plan_model import UndrivableError
 
 READING, DRIVE, LIMIT = 0.001, 0.02, 0.6
 BLOCKED = np.zeros((120, 120), bool)

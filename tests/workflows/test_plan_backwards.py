@@ -17,8 +17,9 @@ from trackctl.planning.route import Route
 from trackctl.planning.search import Settings
 from trackctl.simulation.following import Feedback
 from trackctl.workflows.plan import PlanRequest, plan, steering
-from trackctl.workflows.plan_drive import drive_model, drive_route, turned_round
+from trackctl.workflows.plan_drive import drive_route
 from trackctl.workflows.plan_leads import in_gears
+from trackctl.workflows.plan_model import drive_model, turned_round
 from trackctl.workflows.plan_rows import rows_of
 from trackctl.workflows.plan_verification import verify
 

@@ -107,8 +107,8 @@ def use_driving() -> None:
     from trackctl.planning.collision import obstacles_of
     from trackctl.planning.footprint import footprint_of
     from trackctl.planning.search import empty_room
-    from trackctl.workflows.plan_drive import drive_model
     from trackctl.workflows.plan_kernels import load_driving_kernels
+    from trackctl.workflows.plan_model import drive_model
 
     room, vehicle, terrain = empty_room(), load_vehicle(VEHICLE), load_terrain(TERRAIN)
     obstacles, limits = obstacles_of(room.grid, footprint_of(room.footprint)), (room.forward, None)

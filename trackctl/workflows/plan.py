@@ -32,8 +32,9 @@ from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.compile_ahead import Wait, make_ready
 from trackctl.workflows.plan_attempts import driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
-from trackctl.workflows.plan_drive import drive_model, no_slip_twin, turned_round
+from trackctl.workflows.plan_drive import no_slip_twin
 from trackctl.workflows.plan_kernels import load_plan_kernels
+from trackctl.workflows.plan_model import drive_model, turned_round
 from trackctl.workflows.plan_rows import Rows, rows_of
 from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
 from trackctl.workflows.plan_verification import Verification, verify

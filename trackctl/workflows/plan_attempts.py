@@ -12,22 +12,21 @@ from trackctl.errors import NoAnswerError
 from trackctl.planning.ground import Cost
 from trackctl.planning.search import Improvement, Problem, Search, Settings, stopwatch
 from trackctl.planning.slope_field import SlopeField
-from trackctl.workflows.plan_drive import (
+from trackctl.workflows.plan_drive import Driven, drive_route
+from trackctl.workflows.plan_jumps import drive_jumps, jumps_note
+from trackctl.workflows.plan_leads import in_gears, led_in
+from trackctl.workflows.plan_line import DrivenLine
+from trackctl.workflows.plan_model import (
     LONG_BLENDS,
     MUCH_MORE_SLIP,
     DriveModel,
-    Driven,
-    DrivenLine,
     SlippingError,
     UndrivableError,
     blend_length,
-    drive_route,
-    pivot_speed,
     slopes_at,
 )
-from trackctl.workflows.plan_jumps import drive_jumps, jumps_note
-from trackctl.workflows.plan_leads import in_gears, led_in
 from trackctl.workflows.plan_rows import Rows, rows_of
+from trackctl.workflows.plan_turn import pivot_speed
 
 Progress = Callable[[float, float], None]
 

@@ -14,18 +14,9 @@ from trackctl.planning.route import Route
 from trackctl.planning.surface_line import surface_line
 from trackctl.simulation.following import deviation
 from trackctl.simulation.path import Path
-from trackctl.workflows.plan_drive import (
-    DriveModel,
-    Driven,
-    DrivenLine,
-    UndrivableError,
-    check_clear,
-    check_roughly,
-    drive_line,
-    least_blend,
-    map_poses,
-    settled,
-)
+from trackctl.workflows.plan_drive import Driven, least_blend, settled
+from trackctl.workflows.plan_line import DrivenLine, check_clear, check_roughly, drive_line, map_poses
+from trackctl.workflows.plan_model import DriveModel, UndrivableError
 
 Array = NDArray[np.float64]
 Pose = tuple[float, float, float]

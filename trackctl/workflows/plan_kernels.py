@@ -10,7 +10,8 @@ from trackctl.planning.blending import Line
 from trackctl.planning.ground import straight_tangent
 from trackctl.planning.search import Problem, Settings, load_kernels, target_of, task_of
 from trackctl.planning.target import nearest_end
-from trackctl.workflows.plan_drive import DriveModel, UndrivableError, check_clear, check_roughly, drive_line
+from trackctl.workflows.plan_line import check_clear, check_roughly, drive_line
+from trackctl.workflows.plan_model import DriveModel, UndrivableError
 
 #: Length of a line that is driven to this end, over the contact length.
 SHORT = 0.25

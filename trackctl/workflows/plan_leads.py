@@ -10,7 +10,7 @@ import numpy as np
 from trackctl.planning.ground import gear_motion, straight_tangent
 from trackctl.planning.route import Route
 from trackctl.planning.search import Problem
-from trackctl.workflows.plan_drive import LONG_BLENDS, DriveModel, blend_length, slopes_at
+from trackctl.workflows.plan_model import LONG_BLENDS, DriveModel, blend_length, slopes_at
 
 #: Length of a piece that only stands for a stop. [m]
 STOP = 1e-6

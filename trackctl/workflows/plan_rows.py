@@ -10,18 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.simulation.path import Path
-from trackctl.workflows.plan_drive import (
-    LEAST_ROWS,
-    LONGEST_ROW,
-    ROW_SPACING,
-    DriveModel,
-    Driven,
-    DrivenLine,
-    map_poses,
-)
+from trackctl.workflows.plan_drive import Driven
+from trackctl.workflows.plan_line import DrivenLine, map_poses
+from trackctl.workflows.plan_model import DriveModel
 from trackctl.workflows.plan_turn import DrivenTurn
 
 Array = NDArray[np.float64]
+
+#: Between rows, over the contact length, and at most. [m]
+ROW_SPACING, LONGEST_ROW = 1.0 / 12.0, 0.1
+#: Rows of a stretch at least.
+LEAST_ROWS = 12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
