@@ -114,6 +114,13 @@ def test_ends_are_led_in_backwards_too(seed):
     assert (found.rows.x[-1], found.rows.y[-1]) == pytest.approx((1.5, 1.5), abs=1e-6)
 
 
+def test_gears_of_a_way_that_cannot_be_blended_do_not_rule_out_others():
+    """The cheapest way turns by the wall of the map, in the gears of a lead, too."""
+    level = replace(GARAGE, slope=0.0)
+    found = plan(request(level, load_vehicle("utv-61cm"), search=Settings(iterations=2000, seed=5)))
+    assert found.notes == ()
+
+
 def test_a_route_that_turns_round_at_once_stops_at_its_lead():
     backwards = Route((0.0, 0.0, 0.0), np.array([0.2, 0.0]), np.array([-2.0, -1.0]), np.zeros(2))
     assert in_gears(backwards, (0, -1)).length.tolist() == [-2.0, -1.0]

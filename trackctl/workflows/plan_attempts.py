@@ -360,8 +360,9 @@ def moving_attempts(model: DriveModel, problem: Problem, gears: tuple[int, int])
 
     Blends cut corners, and on a slope the vehicle leaves its plan: the first searches
     keep that much farther away (for the slope only where no clearance was asked for), the next no more than they must.
-    They start and end half a blend from the poses themselves, in given gears, unless those are not known; the last ones
-    at the poses. Those come first where the goal is so near that the blends at both ends would overlap.
+    They start and end half a blend from the poses themselves, in given gears, unless those are not known; the last one
+    at the poses, or the first where the goal is so near that the blends at both ends would overlap. Where there are two
+    gears the given ones may be those of a way that cannot be blended: after each search there is one between the poses.
     """
     away = DEVIATION * math.tan(slope_range(problem.field)[1]) * math.dist(problem.start[:2], problem.goal[:2])
     cut = cut_of(model, problem)
@@ -371,6 +372,9 @@ def moving_attempts(model: DriveModel, problem: Problem, gears: tuple[int, int])
     found = [replace(led, clearance=problem.clearance + room) for room in rooms]
     if led is problem:
         return found
-    exact = [problem] if problem.backward is None else [replace(problem, clearance=problem.clearance + cut), problem]
     is_near = math.dist(problem.start[:2], problem.goal[:2]) < max(LONG_BLENDS) * first_blend(model, problem)
-    return [*exact, *found] if is_near else [*found, *exact]
+    if problem.backward is None:
+        return [problem, *found] if is_near else [*found, problem]
+    exact = [replace(problem, clearance=problem.clearance + room) for room in rooms]
+    pairs = zip(exact, found, strict=True) if is_near else zip(found, exact, strict=True)
+    return [each for pair in pairs for each in pair]
