@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from trackctl.lut.axes import FULL_CIRCLE
 from trackctl.lut.interpolation import Interpolant, LookupResult, interpolant, interpolant_of, look_up
 from trackctl.lut.shape_functions import Method
-from trackctl.lut.table import Status, Table
+from trackctl.lut.table import Table
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.profiles.vehicle import VehicleProfile
 
@@ -146,8 +146,3 @@ def driven_backwards(turned: SteeringLimits) -> SteeringLimits:
 def is_feasible_somewhere(limits: SteeringLimits) -> bool:
     """Whether there is any turn that can be driven."""
     return bool((limits.speed > 0.0).any())
-
-
-def unsolved_share(table: Table) -> float:
-    """Share of a table's cells without an answer."""
-    return float((table.status != Status.CONVERGED).mean())

@@ -45,6 +45,12 @@ Progress = Callable[[float, float], None]
 
 #: Least radius of a plan where the profile has none, over the contact length.
 LEAST_RADIUS = 1.5
+#: Keys of a summary, and those that a simulation adds.
+FIGURES = (
+    *("first_solution_s", "planning_s", "length_m", "duration_s", "cost", "nodes"),
+    *("min_clearance_m", "goal_distance_m", "goal_yaw_error_rad"),
+)
+VERIFIED = ("max_deviation_m", "no_slip_max_deviation_m", "collision", "simulated_min_clearance_m")
 #: Poses so near are one. [m], [rad]
 SAME_POSE = 1e-3
 
@@ -329,33 +335,17 @@ def infeasible_ground(request: PlanRequest, field: SlopeField) -> str:
 
 def summary_without(reason: str, verify: bool) -> dict[str, object]:
     """What `summary_of` has where there is no plan, for some reason."""
-    keys = (
-        *("first_solution_s", "planning_s", "length_m", "duration_s", "cost", "nodes", "min_clearance_m"),
-        *(("max_deviation_m", "no_slip_max_deviation_m", "collision", "simulated_min_clearance_m") if verify else ()),
-    )
+    keys = (*FIGURES, *(VERIFIED if verify else ()))
     return {"solved": False, **dict.fromkeys(keys), "reason": reason}
 
 
 def summary_of(result: PlanResult) -> dict[str, object]:
     """A result as a JSON object."""
-    summary: dict[str, object] = {
-        "solved": True,
-        "first_solution_s": result.first_solution,
-        "planning_s": result.planning,
-        "length_m": result.rows.length,
-        "duration_s": float(result.rows.time[-1]),
-        "cost": result.cost,
-        "nodes": result.nodes,
-        "min_clearance_m": result.min_clearance,
-        "goal_distance_m": result.goal_distance,
-        "goal_yaw_error_rad": result.goal_yaw_error,
-        "reason": "",
-    }
-    if result.verification is not None and result.no_slip is not None:
-        summary |= {
-            "max_deviation_m": result.verification.max_deviation,
-            "no_slip_max_deviation_m": result.no_slip.max_deviation,
-            "collision": result.verification.collision,
-            "simulated_min_clearance_m": result.verification.min_clearance,
-        }
+    rows, found, twin = result.rows, result.verification, result.no_slip
+    values: tuple[object, ...] = (result.first_solution, result.planning, rows.length, float(rows.time[-1]))
+    values += (result.cost, result.nodes, result.min_clearance, result.goal_distance, result.goal_yaw_error)
+    summary = {"solved": True, **dict(zip(FIGURES, values, strict=True)), "reason": ""}
+    if found is not None and twin is not None:
+        values = (found.max_deviation, twin.max_deviation, found.collision, found.min_clearance)
+        summary |= dict(zip(VERIFIED, values, strict=True))
     return summary
