@@ -30,11 +30,12 @@ from trackctl.planning.target import Target, is_clear_somewhere, is_exact
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.workflows.compile_ahead import Wait, make_ready
-from trackctl.workflows.plan_attempts import driven_plan, slope_range
+from trackctl.workflows.plan_attempts import DrivenPlan, driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import no_slip_twin
 from trackctl.workflows.plan_kernels import load_plan_kernels
 from trackctl.workflows.plan_model import drive_model, turned_round
+from trackctl.workflows.plan_proof import proved_plan
 from trackctl.workflows.plan_rows import Rows, rows_of
 from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
 from trackctl.workflows.plan_verification import Verification, verify
@@ -249,17 +250,28 @@ def plan(
     if request.pivot and model.spot is not None:
         make_ready("simulation")
     load_plan_kernels(model, problem)
-    begin = time.perf_counter()
-    driven = driven_plan(model, problem, request.search, searching, request.pivot)
-    planning = time.perf_counter() - begin
-    rows, found = driven.rows, driven.search.result()
-    verification = no_slip = None
-    if request.verify:
-        wait("simulation")
+
+    def find(problem: Problem) -> DrivenPlan:
+        return driven_plan(model, problem, request.search, searching, request.pivot)
+
+    def simulated(driven: DrivenPlan) -> tuple[Verification, Verification]:
         setting = request.vehicle, request.terrain, request.gravity, exact
         twin = rows_of(model, [no_slip_twin(model, each) for each in driven.lines])
+        wait("simulation")
         with ThreadPoolExecutor(request.jobs) as pool:
-            verification, no_slip = pool.map(lambda commands: verify(commands, *setting), (rows, twin))
+            with_slip, without = pool.map(lambda rows: verify(rows, *setting), (driven.rows, twin))
+        return with_slip, without
+
+    verification = no_slip = None
+    if request.verify:
+        proved = proved_plan(problem, find, simulated)
+        driven, planning, notes = proved.plan, proved.planning, proved.notes
+        verification, no_slip = proved.verification, proved.no_slip
+    else:
+        begin = time.perf_counter()
+        driven = find(problem)
+        planning, notes = time.perf_counter() - begin, driven.notes
+    rows, found = driven.rows, driven.search.result()
     clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
     return PlanResult(
         rows,
@@ -274,7 +286,7 @@ def plan(
         outline,
         verification,
         no_slip,
-        driven.notes,
+        notes,
     )
 
 
