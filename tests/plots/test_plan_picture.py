@@ -22,8 +22,13 @@ def test_the_path_with_its_ends_and_segments(columns):
     assert path.get_aspect() == 1.0
 
 
+def labelled_arrows(columns, label):
+    (arrows,) = [each for each in draw_plan(columns).axes[0].collections if each.get_label() == label]
+    return arrows
+
+
 def test_arrows_show_the_heading_of_the_body(columns):
-    (arrows,) = draw_plan(columns).axes[0].collections
+    arrows = labelled_arrows(columns, "heading of the body")
     marked = np.searchsorted(columns["x"], arrows.X)
     np.testing.assert_allclose(arrows.U, np.cos(columns["yaw"][marked]))
     np.testing.assert_allclose(arrows.V, np.sin(columns["yaw"][marked]))
@@ -62,3 +67,20 @@ def test_one_segment_has_no_borders(columns):
     figure = draw_plan(columns | {"segment": np.zeros(101)})
     assert not [line for line in figure.axes[0].get_lines() if line.get_label() == "end of a segment"]
     assert len(figure.axes[2].get_lines()) == 1
+
+
+def test_arrows_show_up_slope_where_the_ground_is_not_level(columns):
+    """Heading is yaw less the direction of up-slope."""
+
+    def slopes(slope):
+        with_slope = columns | {"slope": slope, "heading": columns["yaw"] - 0.7}
+        found = draw_plan(with_slope).axes[0].collections
+        return [each for each in found if str(each.get_label()).startswith("up-slope")]
+
+    assert slopes(np.zeros_like(columns["x"])) == []
+    (arrows,) = slopes(np.full_like(columns["x"], math.radians(12.0)))
+    assert arrows.get_label() == "up-slope, 12°"
+    np.testing.assert_allclose(arrows.U, math.cos(0.7))
+    np.testing.assert_allclose(arrows.V, math.sin(0.7))
+    (arrows,) = slopes(np.radians(np.linspace(2.0, 20.0, columns["x"].size)))
+    assert arrows.get_label() == "up-slope, 2 to 20°"

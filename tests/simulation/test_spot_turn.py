@@ -54,6 +54,9 @@ def test_the_commands_turn_the_body_by_the_angle_from_rest_to_rest(vehicle, terr
     assert (turn.yaw[0], turn.yaw_rate[0]) == (0.0, 0.0)
     assert turn.yaw[-1] == pytest.approx(angle, abs=3e-6)
     assert abs(turn.yaw_rate[-1]) < 1e-9
+    at_rest = turn.track_speed_left == 0.0
+    assert (turn.slip_left[at_rest] == 0.0).all()
+    assert (turn.slip_left[~at_rest] * turn.slip_right[~at_rest] < 0.0).all()
     assert np.abs(turn.track_speed_left).max() <= drive.speed
     assert np.abs(np.diff(turn.track_speed_left) / np.diff(turn.time)).max() <= drive.acceleration * (1.0 + 1e-9)
     # Longer at rest than the turn asks for, more closely, and where the mass centre gets.

@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from trackctl.plots import style
 from trackctl.plots.style import Array, Columns
 
-#: Poses of the body that are marked along a path.
-POSES = 25
+#: Poses of the body that are marked along a path, and places with an arrow up-slope.
+POSES, SLOPES = 25, 7
+#: Ground less steep than this is level. [rad]
+LEVEL = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,7 +46,7 @@ def draw_plan(columns: Columns, ground: MapImage | None = None, outline: Array |
     ----------
     columns
         `time`, `x`, `y`, `yaw`, `velocity`, `sprocket_rate_left` and `_right`, `sideslip`, `slip_left` and `_right`,
-        `segment`. [SI]
+        `segment`, and `slope` and `heading` where the slope is to be shown. [SI]
     ground
         The map, if there is one.
     outline : ndarray, shape (n, 2)
@@ -96,12 +98,33 @@ def draw_path(axes: Axes, columns: Columns, ground: MapImage | None) -> None:
         zorder=3,
         label="heading of the body",
     )
+    draw_slope(axes, columns)
     axes.plot(x[0], y[0], color=style.BLACK, marker="o", markersize=6, linestyle="", label="start")
     axes.plot(x[-1], y[-1], color=style.BLACK, marker="*", markersize=9, linestyle="", label="goal")
     borders = segment_borders(columns)
     if borders.size:
         axes.plot(x[borders], y[borders], color=style.GREY, marker="|", linestyle="", label="end of a segment")
     style.plan_view(axes)
+
+
+def draw_slope(axes: Axes, columns: Columns) -> None:
+    """Arrows up-slope along the path, where the ground is not level."""
+    if "slope" not in columns or "heading" not in columns or columns["slope"].max() < LEVEL:
+        return
+    low, high = np.degrees((columns["slope"].min(), columns["slope"].max()))
+    steepness = f"{high:.3g}°" if high - low < 0.05 else f"{low:.3g} to {high:.3g}°"
+    marked = np.unique(np.linspace(0, columns["x"].size - 1, SLOPES).round().astype(np.intp))
+    uphill = (columns["yaw"] - columns["heading"])[marked]
+    axes.quiver(
+        *(columns[name][marked] for name in ("x", "y")),
+        np.cos(uphill),
+        np.sin(uphill),
+        color=style.GREY,
+        width=0.003,
+        scale=12.0,
+        zorder=2,
+        label=f"up-slope, {steepness}",
+    )
 
 
 def draw_outlines(axes: Axes, columns: Columns, outline: Array) -> None:

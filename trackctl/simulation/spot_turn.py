@@ -150,15 +150,10 @@ def spot_turn(scene: Scene, drive: SpotDrive, angle: float) -> SpotTurn | None:
     bracket = (0.5 * without_slip, MOST_TRAVEL * without_slip)
     travel = root_scalar(missing, bracket=bracket, method="brentq", xtol=ANGLE_ERROR * scene.model.gauge, rtol=1e-12)
     speeds, motion = _turned(scene, drive, float(travel.root), sense)
-    return SpotTurn(
-        motion.time,
-        np.interp(motion.time, speeds.time, speeds.left),
-        np.interp(motion.time, speeds.time, speeds.right),
-        motion.yaw,
-        motion.yaw_rate,
-        motion.slip_left,
-        motion.slip_right,
-    )
+    left, right = (np.interp(motion.time, speeds.time, values) for values in (speeds.left, speeds.right))
+    # At rest slip is the quotient of rounding errors.
+    slips = (np.where(left == 0.0, 0.0, slip) for slip in (motion.slip_left, motion.slip_right))
+    return SpotTurn(motion.time, left, right, motion.yaw, motion.yaw_rate, *slips)
 
 
 def _turned(scene: Scene, drive: SpotDrive, travel: float, sense: float) -> tuple[TrackSpeeds, Motion]:
