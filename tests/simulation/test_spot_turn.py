@@ -8,7 +8,9 @@ import pytest
 from scipy.optimize import brentq
 from simulation.driving import ASPHALT, BIG, BIG_GROUND, SMALL, slope_scene
 
+from trackctl.simulation.following import deviation
 from trackctl.simulation.motion import State, sample, simulate
+from trackctl.simulation.path import Path
 from trackctl.simulation.spot_turn import SpotDrive, spot_drive, spot_rate, spot_turn
 from trackctl.simulation.track_speeds import TrackSpeeds
 
@@ -112,3 +114,14 @@ def test_speeds_are_kept():
 def test_tracks_that_only_spin_give_no_turn():
     soft = slope_scene(0, SMALL, replace(ASPHALT, shear_deformation_modulus=0.3))
     assert spot_turn(soft, DRIVE, 0.01) is None
+
+
+def test_where_a_path_stands_the_distance_to_what_follows_counts():
+    """Points beside the straights before and after a long stop, nearer to the stop than to any other sample."""
+    x = np.concatenate((np.linspace(0.0, 1.0, 11), np.ones(50), np.linspace(1.0, 2.0, 11)))
+    nothing = np.zeros_like(x)
+    path = Path(nothing, x, nothing, nothing, nothing, nothing)
+    away = deviation(path, np.array([0.97, 1.0, 1.03]), np.array([0.01, -0.02, 0.03]))
+    assert away == pytest.approx([0.01, 0.02, 0.03], abs=1e-12)
+    standing = Path(*(np.ones((6, 4)) * np.array([0.0, 1.0, 2.0, 0.0, 0.0, 0.0])[:, None]))
+    assert deviation(standing, np.array([1.0]), np.array([5.0])) == pytest.approx([3.0])

@@ -134,7 +134,8 @@ def _piece_at(path: Path, position: float) -> int:
 def _cost_at(path: Path, position: float) -> float:
     """Cost up to a position, as if all of a piece cost alike."""
     i = _piece_at(path, position)
-    share = (position - path.position[i]) / (path.position[i + 1] - path.position[i])
+    length = path.position[i + 1] - path.position[i]
+    share = (position - path.position[i]) / length if length > 0.0 else 1.0
     return float(path.cost[i] + share * (path.cost[i + 1] - path.cost[i]))
 
 

@@ -151,6 +151,9 @@ def deviation(path: Path, x: Array, y: Array) -> Array:
     from scipy.spatial import KDTree  # takes its time
 
     corners = np.stack((path.x, path.y), axis=1)
+    # A place where it stands is one corner; a path has two.
+    corners = corners[np.append(True, np.diff(corners, axis=0).any(axis=1))]
+    corners = np.repeat(corners, 2, axis=0) if len(corners) == 1 else corners
     points = np.stack((x, y), axis=1)
     # The two nearest: where a path closes, the end of one lap and the start of the next are the same place.
     nearest = KDTree(corners).query(points, k=2)[1].T
