@@ -261,6 +261,11 @@ def test_who_cannot_or_must_not_turn_on_the_spot_does_not(change, more):
         planned(replace(CORRIDOR, **change), **more)
 
 
+def test_who_asks_for_turns_that_cannot_be_is_told_so():
+    assert "no turns on the spot" in " ".join(planned(pivot=True).notes)
+    assert planned().notes == ()
+
+
 def test_a_turn_on_the_spot_is_made_where_it_is_cheaper_if_asked_for():
     wide = replace(CORRIDOR, bounds=(0.0, 0.0, 12.0, 9.0), start=(6.0, 4.5, 0.0), goal=(4.8, 4.5, math.pi))
     around, turned = (planned(wide, pivot=pivot, most_speed=1.0).rows for pivot in (None, True))

@@ -52,6 +52,11 @@ FIGURES = (
     *("min_clearance_m", "goal_distance_m", "goal_yaw_error_rad"),
 )
 VERIFIED = ("max_deviation_m", "no_slip_max_deviation_m", "collision", "simulated_min_clearance_m")
+#: Said where turns on the spot are asked for and cannot be.
+NO_TURNS = (
+    "no turns on the spot: they take level ground, a mass centre over the centre of the contact, a profile without "
+    "min_turn_radius_m, and its max_track_force_n to turn against friction"
+)
 #: Poses so near are one. [m], [rad]
 SAME_POSE = 1e-3
 
@@ -271,6 +276,8 @@ def plan(
         begin = time.perf_counter()
         driven = find(problem)
         planning, notes = time.perf_counter() - begin, driven.notes
+    if request.pivot and model.spot is None:
+        notes = (*notes, NO_TURNS)
     rows, found = driven.rows, driven.search.result()
     clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
     return PlanResult(
