@@ -252,7 +252,8 @@ def plan(
     # What is to be compiled or loaded is no part of the time that a search may take.
     make_ready("driving")
     wait("search")
-    if request.pivot and model.spot is not None:
+    if model.spot is not None and (request.pivot or request.verify):
+        wait("simulation")
         make_ready("simulation")
     load_plan_kernels(model, problem)
 
