@@ -59,6 +59,15 @@ def kernels_are_compiled(kernel: str = "") -> bool:
     return any(FOR_KERNELS not in file.parts for file in kernel_folder().rglob(f"{kernel}*.nbc"))
 
 
+def kernels_can_be_kept() -> bool:
+    """Whether what is compiled can be written to `kernel_folder`, where other processes find it."""
+    try:
+        kernel_folder().mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return False
+    return os.access(kernel_folder(), os.W_OK)
+
+
 @contextlib.contextmanager
 def cached_in_kernel_folder(part: str = "") -> Iterator[None]:
     """Let numba cache what is compiled in the block in a part of `kernel_folder`.

@@ -5,13 +5,14 @@ import subprocess
 
 import pytest
 
+from trackctl import compiled
 from trackctl.compiled import kernels_are_compiled
 from trackctl.workflows import compile_ahead
 from trackctl.workflows.compile_ahead import TASKS, compiling_ahead, make_ready
 
 
-def with_cores(monkeypatch, count, compiled=False):
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda kernel: compiled)
+def with_cores(monkeypatch, count, is_compiled=False):
+    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda kernel: is_compiled)
     monkeypatch.setattr(os, "cpu_count", lambda: count)
 
 
@@ -26,8 +27,8 @@ def test_another_process_does_all_that_it_is_for(monkeypatch, task):
 def test_what_has_been_compiled_is_not_used_again(monkeypatch):
     used = []
     monkeypatch.setitem(TASKS, "search", (lambda: used.append("search"), "simplification.simplify"))
-    for compiled in (True, False):
-        with_cores(monkeypatch, 2, compiled)
+    for is_compiled in (True, False):
+        with_cores(monkeypatch, 2, is_compiled)
         make_ready("search")
     assert used == ["search"]
 
@@ -49,9 +50,18 @@ def test_the_other_processes_end_with_the_block(monkeypatch):
 
 
 def test_there_is_no_other_process_where_it_would_not_help(monkeypatch):
-    with_cores(monkeypatch, 2, compiled=True)
+    with_cores(monkeypatch, 2, is_compiled=True)
     with compiling_ahead("search") as wait:
         assert wait("search") is None
     with_cores(monkeypatch, 1)
+    with compiling_ahead("search") as wait:
+        assert wait("search") is None
+
+
+def test_there_is_no_other_process_where_nothing_can_be_kept(monkeypatch, tmp_path):
+    with_cores(monkeypatch, 2)
+    (tmp_path / "file").touch()
+    monkeypatch.setattr(compiled, "kernel_folder", lambda: tmp_path / "file" / "kernels")
+    monkeypatch.setattr(compile_ahead, "other_process", None)
     with compiling_ahead("search") as wait:
         assert wait("search") is None

@@ -14,6 +14,7 @@ from trackctl.planning.elevation import Elevation
 from trackctl.planning.planning_map import PlanningMap
 from trackctl.planning.search import Settings
 from trackctl.planning.slope_field import plane_slope
+from trackctl.workflows import plan_table
 from trackctl.workflows.plan import PlanRequest, plan
 from trackctl.workflows.plan_line import infeasible_place, samples_of
 from trackctl.workflows.plan_verification import planned_ground
@@ -272,3 +273,17 @@ def test_a_turn_on_the_spot_is_made_where_it_is_cheaper_if_asked_for():
     assert set(around.segment) == {0}
     assert set(turned.segment) == {0, 1}
     assert turned.time[-1] < around.time[-1]
+
+
+def test_what_a_table_compiles_is_not_compiled_in_its_threads(monkeypatch, tmp_path):
+    """An interrupt waits for the threads to end."""
+    told = []
+    crew = plan_table.threads
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(plan_table, "make_ready", told.append)
+    monkeypatch.setattr(plan_table, "threads", lambda jobs: told.append("threads") or crew(jobs))
+    nodes = np.array([0.1])
+    plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
+    assert told == ["column", "threads"]
+    plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
+    assert len(told) == 2

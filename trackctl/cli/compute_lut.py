@@ -102,7 +102,7 @@ def compute_lut(
       trackctl compute-lut --vehicle m113 --terrain hard-soil --slope-deg 0:12:4 -o m113.h5
     """
     announce_compilation(quiet)
-    from trackctl.workflows.compile_ahead import compiling_ahead
+    from trackctl.workflows.compile_ahead import compiling_ahead, make_ready
 
     wait_for_kernels = context.with_resource(compiling_ahead("table"))
     import numpy as np
@@ -134,6 +134,7 @@ def compute_lut(
             tell_estimate(request, chosen, jobs, as_json)
             return
         wait_for_kernels("table")
+        make_ready("column")
         with checkpoint_told(output), bar("solving", "column", quiet) as progress:
             summary = compile_table(
                 request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress, crew=crew

@@ -14,7 +14,7 @@ from contextlib import ExitStack, contextmanager
 
 import numpy as np
 
-from trackctl.compiled import kernels_are_compiled
+from trackctl.compiled import kernels_are_compiled, kernels_can_be_kept
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.lut.axes import Axes
 from trackctl.mechanics.parameters import STANDARD_GRAVITY, track_model
@@ -30,9 +30,9 @@ def compiling_ahead(*tasks: str) -> Iterator[Wait]:
     """Let other processes compile, while the block runs, what some of `TASKS` use; gives a function that waits for one.
 
     Should one fail, its kernels are compiled where they are used. There is none for what an earlier run has compiled,
-    nor if there is but one core.
+    nor if there is but one core, or no folder to keep it in.
     """
-    if (os.cpu_count() or 1) < 2:
+    if (os.cpu_count() or 1) < 2 or not kernels_can_be_kept():
         tasks = ()
     with ExitStack() as running:
         missing = [task for task in tasks if not kernels_are_compiled(TASKS[task][1])]
@@ -135,6 +135,7 @@ def use_simulation() -> None:
 #: What can be compiled ahead, and a kernel that is there once that is done.
 TASKS: dict[str, tuple[Callable[[], None], str]] = {
     "table": (use_table, "column.solve_column"),
+    "column": (use_column, "column.solve_column"),
     "search": (use_search, "simplification.simplify"),
     "driving": (use_driving, "clearance._least_clearance"),
     "simulation": (use_simulation, "motion.loads_along"),

@@ -24,6 +24,7 @@ from trackctl.lut.table import VARIABLES, Table
 from trackctl.mechanics.parameters import track_model
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
+from trackctl.workflows.compile_ahead import make_ready
 from trackctl.workflows.table_request import digest_of
 
 Array = NDArray[np.float64]
@@ -118,6 +119,8 @@ def compiled_table(
     values = {name: np.empty(sweep.axes.shape) for name in VARIABLES}
     status = np.empty(sweep.axes.shape, np.uint8)
     weight, total = vehicle.mass * gravity, sweep.column_count
+    # Not in the threads: an interrupt waits for what they compile.
+    make_ready("column")
     progress(0, total)
     with threads(jobs) as crew:
         for done, (column, cells) in enumerate(solve_columns(sweep, range(total), crew), start=1):
