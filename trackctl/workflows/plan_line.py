@@ -13,7 +13,15 @@ from scipy.ndimage import maximum_filter1d
 from trackctl.planning.blending import Line
 from trackctl.planning.clearance import first_hit
 from trackctl.planning.speed_profile import fastest_speed
-from trackctl.planning.surface_line import SurfaceLine, gradients_along, on_ground, on_map, rates_along, surface_line
+from trackctl.planning.surface_line import (
+    SurfaceLine,
+    gradients_along,
+    on_ground,
+    on_map,
+    rates_along,
+    slope_and_uphill,
+    surface_line,
+)
 from trackctl.simulation.path import Path
 from trackctl.simulation.path_rule import Ground as PathGround
 from trackctl.simulation.path_rule import PathCommands, path_commands
@@ -180,9 +188,9 @@ def infeasible_place(model: DriveModel, lines: Sequence[Line], line: Line, sampl
         where = "at the start" if done < left else "at the goal"
     else:
         where = f"{done:.2f} m from the start and {left:.2f} m before the goal"
-    g_x, g_y = gradients_along(model.field, x[[sample]], y[[sample]])
-    slope, uphill = math.degrees(math.atan(math.hypot(g_x[0], g_y[0]))), math.atan2(g_y[0], g_x[0])
-    heading = math.degrees(direction[sample] - uphill) % 360.0
+    gradients = gradients_along(model.field, x[[sample]], y[[sample]])
+    slope, uphill = (math.degrees(float(angle[0])) for angle in slope_and_uphill(model.field, *gradients))
+    heading = (math.degrees(direction[sample]) - uphill) % 360.0
     turn = f"a turn of {curvature[sample]:.3g} 1/m" if abs(curvature[sample]) > STRAIGHT else "straight driving"
     return (
         f"{where}, ({x[sample]:.2f}, {y[sample]:.2f}) m, it has no speed for {turn} on a slope of {slope:.3g} deg, "

@@ -40,8 +40,6 @@ class DriveModel:
         Profiles.
     field
         Slope of the map.
-    forward, backward
-        Limits of steering in either gear; None: forward only.
     obstacles
         What the footprint must not touch.
     ahead, behind
