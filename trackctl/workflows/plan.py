@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -35,7 +34,7 @@ from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import no_slip_twin
 from trackctl.workflows.plan_kernels import load_plan_kernels
 from trackctl.workflows.plan_model import drive_model, turned_round
-from trackctl.workflows.plan_proof import proved_plan
+from trackctl.workflows.plan_proof import ProvedPlan, proved_plan
 from trackctl.workflows.plan_rows import Rows, rows_of
 from trackctl.workflows.plan_table import cached_table, slope_nodes, users_table
 from trackctl.workflows.plan_verification import Verification, verify
@@ -268,33 +267,28 @@ def plan(
             with_slip, without = pool.map(lambda rows: verify(rows, *setting), (driven.rows, twin))
         return with_slip, without
 
-    verification = no_slip = None
-    if request.verify:
-        proved = proved_plan(problem, find, simulated)
-        driven, planning, notes = proved.plan, proved.planning, proved.notes
-        verification, no_slip = proved.verification, proved.no_slip
-    else:
-        begin = time.perf_counter()
-        driven = find(problem)
-        planning, notes = time.perf_counter() - begin, driven.notes
-    if request.pivot and model.spot is None:
-        notes = (*notes, NO_TURNS)
-    rows, found = driven.rows, driven.search.result()
-    clearance = least_clearance(exact, rows.x, rows.y, np.unwrap(rows.yaw))
+    proved = proved_plan(problem, find, simulated if request.verify else None)
+    notes = (*proved.notes, NO_TURNS) if request.pivot and model.spot is None else proved.notes
+    return result_of(replace(proved, notes=notes), problem, exact)
+
+
+def result_of(proved: ProvedPlan, problem: Problem, obstacles: Obstacles) -> PlanResult:
+    """A plan for a problem, with what there is to say of it, among obstacles without room."""
+    rows, found, goal = proved.plan.rows, proved.plan.search.result(), problem.goal
     return PlanResult(
         rows,
         found.first_solution or math.nan,
-        planning,
-        driven.cost,
+        proved.planning,
+        proved.plan.cost,
         found.nodes,
-        clearance,
+        least_clearance(obstacles, rows.x, rows.y, np.unwrap(rows.yaw)),
         math.dist((rows.x[-1], rows.y[-1]), goal[:2]),
         abs(math.remainder(rows.yaw[-1] - goal[2], 2.0 * math.pi)),
-        grid,
-        outline,
-        verification,
-        no_slip,
-        notes,
+        problem.grid,
+        problem.footprint,
+        proved.verification,
+        proved.no_slip,
+        proved.notes,
     )
 
 

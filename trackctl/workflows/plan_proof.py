@@ -29,22 +29,22 @@ class ProvedPlan:
     planning
         Time that searching and driving took, of the plans before, too. [s]
     verification, no_slip
-        Of its commands, and of such that would drive it without slip.
+        Of its commands, and of such that would drive it without slip; None: not simulated.
     notes
         What the user should know, as sentences.
     """
 
     plan: DrivenPlan
     planning: float
-    verification: Verification
-    no_slip: Verification
+    verification: Verification | None
+    no_slip: Verification | None
     notes: tuple[str, ...]
 
 
 def proved_plan(
     problem: Problem,
     find: Callable[[Problem], DrivenPlan],
-    simulate: Callable[[DrivenPlan], tuple[Verification, Verification]],
+    simulate: Callable[[DrivenPlan], tuple[Verification, Verification]] | None,
 ) -> ProvedPlan:
     """A plan whose simulation touches nothing, or the last one that was tried.
 
@@ -55,7 +55,7 @@ def proved_plan(
     find
         Finds it.
     simulate
-        What a plan and its twin without slip come to.
+        What a plan and its twin without slip come to; None: the first plan will do.
 
     Raises
     ------
@@ -67,13 +67,16 @@ def proved_plan(
         begin = time.perf_counter()
         plan = find(replace(problem, clearance=problem.clearance + room))
         planning = time.perf_counter() - begin
-        return ProvedPlan(plan, planning, *simulate(plan), (*plan.notes, room_note(room)) if room else plan.notes)
+        verification, no_slip = (None, None) if simulate is None else simulate(plan)
+        notes = (*plan.notes, room_note(room)) if room else plan.notes
+        return ProvedPlan(plan, planning, verification, no_slip, notes)
 
     best, room = attempt(0.0), 0.0
     for _ in range(ROUNDS - 1):
-        if not (best.verification.collision and math.isfinite(best.verification.max_deviation)):
+        found = best.verification
+        if found is None or not found.collision or not math.isfinite(found.max_deviation):
             break
-        room += ROOM * best.verification.max_deviation
+        room += ROOM * found.max_deviation
         try:
             roomier = attempt(room)
         except NoAnswerError:
