@@ -1,7 +1,8 @@
-"""One decorator for every compiled kernel, and where compiled code is kept.
+"""Compiled functions, and the folder that keeps their machine code.
 
-The machine code is cached in the user's cache folder under a digest of the package's kernel sources: numba looks only
-at the file of the outermost function, so without the digest an edit to an inner one would go unnoticed.
+Compiling takes seconds, so the machine code is kept in the user's cache folder, under a digest of the package's
+sources: numba looks only at the file of the outermost function, so without the digest an edit to an inner one would go
+unnoticed. Keeping it is a convenience: where that fails, each run compiles anew, after one warning.
 """
 
 from __future__ import annotations
@@ -10,192 +11,268 @@ import contextlib
 import functools
 import hashlib
 import os
+import shutil
+import tempfile
+import threading
+import warnings
 from collections.abc import Callable, Iterator
-from inspect import ismodule
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, ClassVar, TypeVar, cast
 
-import llvmlite.binding
 import numba
-from numba.core.compiler_lock import global_compiler_lock
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, typeof_impl
 
-Kernel = TypeVar("Kernel", bound=Callable[..., object])
+from trackctl.errors import TrackctlWarning
+
+Function = TypeVar("Function", bound=Callable[..., object])
 
 # Everything but nnan and ninf: status checks rely on NaN.
-FASTMATH = {"reassoc", "contract", "arcp", "nsz", "afn"}
-#: Part of the cache for what only kernels call: numba tells the two shapes of a function apart by nothing else.
-FOR_KERNELS = "for_kernels"
+OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"reassoc", "contract", "arcp", "nsz", "afn"}}
 KERNEL_ROOMS = ("mechanics", "solvers", "lut", "planning", "sensitivity", "identification", "simulation")
+#: Parts of the folder: numba's cache does not tell the makes of a function apart.
+FOR_PYTHON, FOR_KERNELS = "for_python", "for_kernels"
+#: Where numba reads and writes compiled code.
+NUMBA_CACHE = "numba.core.caching"
+#: numba's own locators, which go on to serve all other packages.
+NUMBA_LOCATORS = ",".join(f"{kind}CacheLocator" for kind in ("UserProvided", "InTree", "UserWide", "IPython", "Zip"))
 
 
 def cache_root() -> Path:
-    """Folder for compiled code: ``$TRACKCTL_CACHE_DIR``, or else the user's cache folder."""
+    """Folder for compiled code and tables: ``$TRACKCTL_CACHE_DIR``, or else the user's cache folder.
+
+    Raises
+    ------
+    OSError
+        If the user has no home folder, and no variable names another.
+    """
     chosen = os.environ.get("TRACKCTL_CACHE_DIR")
     if chosen:
         return Path(chosen)
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "trackctl"
+    base = os.environ.get("XDG_CACHE_HOME")
+    try:
+        return (Path(base) if base else Path.home() / ".cache") / "trackctl"
+    except RuntimeError as error:
+        raise FileNotFoundError(2, "there is no home folder; $TRACKCTL_CACHE_DIR may name another") from error
 
 
 @functools.cache
-def kernel_folder() -> Path:
-    """Folder of this version's compiled code, named after its sources and numba.
-
-    numba itself tells Python versions and processors apart.
-    """
+def kernel_digest() -> str:
+    """Digest of the sources and of numba's version; numba itself tells Pythons and processors apart."""
     package = Path(__file__).parent
     digest = hashlib.sha256(numba.__version__.encode())
     for source in sorted(path for room in KERNEL_ROOMS for path in (package / room).rglob("*.py")):
         digest.update(source.read_bytes())
     digest.update(Path(__file__).read_bytes())
-    return cache_root() / f"kernels-{digest.hexdigest()[:16]}"
+    return digest.hexdigest()[:16]
 
 
-def kernels_are_compiled(kernel: str = "") -> bool:
-    """Whether an earlier run has left compiled code for this version: any, or that of a kernel, as ``module.name``.
-
-    What only kernels call does not count.
-    """
-    return any(FOR_KERNELS not in file.parts for file in kernel_folder().rglob(f"{kernel}*.nbc"))
+def kernel_folder() -> Path:
+    """Folder of this version's compiled code."""
+    return cache_root() / f"kernels-{kernel_digest()}"
 
 
-def kernels_can_be_kept() -> bool:
-    """Whether what is compiled can be written to `kernel_folder`, where other processes find it."""
+def reason_not_kept() -> str:
+    """Why nothing can be written to `kernel_folder`, where other processes find it; empty if it can."""
     try:
         kernel_folder().mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return False
-    return os.access(kernel_folder(), os.W_OK)
+        tempfile.TemporaryFile(dir=kernel_folder()).close()
+    except OSError as error:
+        return error.strerror or str(error)
+    return ""
+
+
+class KernelLocator:
+    """Tells numba where the code of the package's functions is kept, and leaves all others to numba's locators.
+
+    numba's setting NUMBA_CACHE_LOCATOR_CLASSES names it while one of the package's functions is made.
+    """
+
+    #: Part of the folder that the function being made goes to.
+    part: ClassVar[str] = ""
+
+    def __init__(self, function: Callable[..., object]) -> None:
+        self._line = function.__code__.co_firstlineno
+        self._folder = kernel_folder() / self.part / function.__module__
+
+    @classmethod
+    def from_function(cls, function: Callable[..., object], _file: str) -> KernelLocator | None:
+        """The locator of one of the package's functions."""
+        return cls(function) if function in Compiled.functions else None
+
+    def get_cache_path(self) -> str:
+        """Folder of the function's code; one for each module."""
+        return str(self._folder)
+
+    def ensure_cache_path(self) -> None:
+        """Make the folder, before something is written to it."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_source_stamp(self) -> str:
+        """What changes with the source."""
+        return kernel_digest()
+
+    def get_disambiguator(self) -> str:
+        """What tells functions of one name in a module apart."""
+        return str(self._line)
 
 
 @contextlib.contextmanager
-def cached_in_kernel_folder(part: str = "") -> Iterator[None]:
-    """Let numba cache what is compiled in the block in a part of `kernel_folder`.
-
-    The setting is one for all threads, so that only one may be compiling.
-    """
+def own_locator(part: str) -> Iterator[None]:
+    """Let numba ask `KernelLocator` first; the functions of others are none the wiser, in whichever thread."""
     config: Any = numba.config
-    with global_compiler_lock:
-        before = config.CACHE_DIR
-        config.CACHE_DIR = str(kernel_folder() / part)
-        try:
-            yield
-        finally:
-            config.CACHE_DIR = before
+    before = config.CACHE_LOCATOR_CLASSES
+    config.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelLocator.__name__},{before or NUMBA_LOCATORS}"
+    KernelLocator.part = part
+    try:
+        yield
+    finally:
+        config.CACHE_LOCATOR_CLASSES = before
 
 
 class Compiled:
-    """A compiled function in two shapes: for other kernels, and for Python, each compiled where it is first called.
+    """A function that numba compiles where it is first needed, and whose code is kept where that is possible.
 
-    What turns Python's arguments into numbers would otherwise be compiled with every kernel, in vain for most.
+    What turns Python's arguments into numbers takes a third of the compilation, and only a few are called from Python;
+    so there are two makes, for Python and for kernels.
     """
 
-    def __init__(self, function: Callable[..., object], **options: object) -> None:
+    #: All of them, by their Python functions.
+    functions: ClassVar[dict[Callable[..., object], Compiled]] = {}
+    _kept: ClassVar[bool] = True
+    _faults: ClassVar[int] = 0
+    _retired: ClassVar[list[Any]] = []
+    _lock: ClassVar[threading.RLock] = threading.RLock()
+
+    def __init__(self, function: Callable[..., object], compiler: Callable[..., Any]) -> None:
         functools.update_wrapper(self, function)
-        self._function = function
-        # Not all of it is in numba's type hints.
-        self._settings: Any = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": FASTMATH}
-        self._settings |= {"no_cfunc_wrapper": True} | options
-        self._made_for_python: Any = None
-        self._made_for_kernels: Any = None
+        self._function, self._compiler = function, compiler
+        self._made: dict[str, Any] = {}
+        Compiled.functions[function] = self
 
     def __call__(self, *arguments: object, **named: object) -> object:
         """Call it from Python."""
-        return self._for_python(*arguments, **named)
+        return Compiled.despite_faults(lambda: self.make(FOR_PYTHON)(*arguments, **named))
 
-    # Both are made when asked for: few kernels are called from Python, and none from kernels that come from the cache.
+    def make(self, part: str, **options: object) -> Any:
+        """What numba makes of the function; it may meet a fault of the cache."""
+        made = self._made.get(part)
+        if made is None:
+            with self._lock, own_locator(part):
+                made = self._made[part] = self._compiler(cache=Compiled._kept, **options)(self._function)
+        return made
+
+    @classmethod
+    def despite_faults(cls, act: Callable[[], object]) -> object:
+        """Do something that may compile; once more where code could not be read or written."""
+        while True:
+            try:
+                return act()
+            except Exception as error:
+                if not is_of_the_cache(error):
+                    raise
+                fault = error
+            cls._overcome(fault)
+
+    @classmethod
+    def _overcome(cls, fault: Exception) -> None:
+        """Forget what cannot be read; the second time, or where the system refuses, keep nothing from now on."""
+        with cls._lock:
+            cls._faults += 1
+            if isinstance(fault, OSError) or cls._faults > 1:
+                cls._keep_none(fault)
+            else:
+                shutil.rmtree(kernel_folder(), ignore_errors=True)
+            for function in cls.functions.values():
+                cls._retired += function._made.values()  # somebody may hold an address
+                function._made.clear()
+
+    @classmethod
+    def are_kept(cls) -> bool:
+        """Whether what has been compiled so far could be kept."""
+        return cls._kept
+
+    @classmethod
+    def _keep_none(cls, fault: Exception) -> None:
+        if cls._kept:
+            cls._kept = False
+            reason = getattr(fault, "strerror", None) or str(fault) or type(fault).__name__
+            text = f"compiled code cannot be kept ({reason}), so that each run compiles anew"
+            warnings.warn(text, TrackctlWarning, stacklevel=2)
+
+
+@typeof_impl.register(Compiled)
+def type_of_compiled(value: Compiled, context: Any) -> Any:
+    """To other kernels, a function is what numba makes of it."""
+    return typeof_impl(value.make(FOR_KERNELS, no_cpython_wrapper=True), context)
+
+
+class Procedure(Compiled):
+    """A function compiled once, for kernels that call it by its address."""
+
+    def __init__(self, function: Callable[..., object], signature: Any) -> None:
+        super().__init__(function, functools.partial(numba.cfunc, signature, **OPTIONS))
+
+    def load(self) -> None:
+        """Compile it, or load it."""
+        Compiled.despite_faults(lambda: self.make(FOR_PYTHON))
+
     @property
-    def _for_python(self) -> Any:
-        if self._made_for_python is None:
-            link_callees(self._function)
-            with cached_in_kernel_folder():
-                self._made_for_python = numba.njit(**self._settings)(self._function)
-        return self._made_for_python
-
-    @property
-    def _for_kernels(self) -> Any:
-        if self._made_for_kernels is None:
-            bare: Any = self._settings | {"no_cpython_wrapper": True}
-            with cached_in_kernel_folder(FOR_KERNELS):
-                self._made_for_kernels = numba.njit(**bare)(self._function)
-        return self._made_for_kernels
-
-    @property
-    def _numba_type_(self) -> Any:
-        """What numba takes for the object where a kernel calls it."""
-        return self._for_kernels._numba_type_
+    def address(self) -> int:
+        """Where its machine code is, as long as the process lives."""
+        return int(cast("int", Compiled.despite_faults(lambda: self.make(FOR_PYTHON).address)))
 
 
-def kernel(function: Kernel) -> Kernel:
-    """Compile a function with the package's settings: cached, without the GIL, vectorisable loops."""
-    return cast("Kernel", Compiled(function))
+def is_of_the_cache(error: Exception) -> bool:
+    """Whether an error was raised where compiled code is read or written, or its folder made."""
+    step = error.__traceback__
+    while step is not None:
+        if step.tb_frame.f_globals.get("__name__") == NUMBA_CACHE:
+            return True
+        step = step.tb_next
+    return False
 
 
-def inlined(function: Kernel) -> Kernel:
-    """Compile a function as `kernel` does, into its callers, which leave out what they do not use."""
-    return cast("Kernel", Compiled(function, forceinline=True))
+def kernel(function: Function) -> Function:
+    """Compile a function with the package's settings: kept, without the GIL, vectorisable loops."""
+    compiler = functools.partial(numba.njit, nogil=True, no_cfunc_wrapper=True, **OPTIONS)
+    return cast("Function", Compiled(function, compiler))
 
 
-def borrowing_kernel(function: Kernel) -> Kernel:
-    """Compile a function that allocates nothing, nor calls any that does: as `kernel`, without reference counts.
+def compile_for(function: Callable[..., object], *arguments: object) -> None:
+    """Compile a kernel for arguments like these, or load it, without a call."""
+    compiled = cast("Compiled", function)
+    kinds = tuple(numba.typeof(argument) for argument in arguments)
+    Compiled.despite_faults(lambda: compiled.make(FOR_PYTHON).compile(kinds))
 
-    Where small kernels hand each other tuples of arrays, counting references takes most of the time.
+
+def inlined(function: Function) -> Function:
+    """Compile a function into each kernel that calls it: a few lines cost more as a function of their own."""
+    return cast("Function", numba.njit(inline="always", **OPTIONS)(function))
+
+
+def procedure(signature: Any) -> Callable[[Callable[..., object]], Procedure]:
+    """Compile a function once for all kernels, which call it by `call_by_address` of the same signature.
+
+    numba compiles a kernel anew into each kernel that calls it; a large one that many call would take most of the
+    first run. Arguments and result are numbers and pointers.
     """
-    return cast("Kernel", Compiled(function, _nrt=False))
+    return lambda function: Procedure(function, signature)
 
 
-class Linked:
-    """A function compiled once for all its callers, which call it by address."""
+def call_by_address(signature: Any) -> Callable[..., Any]:
+    """How kernels call a `procedure`: a function of its address, then of its arguments."""
 
-    def __init__(self, function: Callable[..., None], signature: Any) -> None:
-        self._function, self._signature = function, signature
-        self._compiled: Any = None
+    @intrinsic
+    def call(_typing: Any, address: Any, *arguments: Any) -> Any:
+        handed = types.StarArgTuple.from_types(signature.args)
 
-    def link(self) -> None:
-        """Compile or load it, and make its address known; what calls it must not be loaded before."""
-        with cached_in_kernel_folder():
-            if self._compiled is None:
-                link_callees(self._function)
-                make = numba.cfunc(self._signature, cache=True, error_model="numpy", fastmath=FASTMATH)
-                self._compiled = make(self._function)
-                llvmlite.binding.add_symbol(self._name, self._compiled.address)
+        def generate(context: Any, builder: Any, _: Any, values: Any) -> Any:
+            kinds = [context.get_value_type(kind) for kind in (signature.return_type, *signature.args)]
+            function = builder.inttoptr(values[0], ir.FunctionType(kinds[0], kinds[1:]).as_pointer())
+            return builder.call(function, [builder.extract_value(values[1], i) for i in range(len(signature.args))])
 
-    @property
-    def _name(self) -> str:
-        return f"{self._function.__module__}.{self._function.__qualname__}"
+        return signature.return_type(types.int64, handed), generate
 
-    @property
-    def _numba_type_(self) -> Any:
-        """What numba takes for the object where a kernel calls it."""
-        self.link()
-        return numba.types.ExternalFunction(self._name, self._signature)
-
-
-def link_callees(function: Callable[..., object]) -> None:
-    """Link all `Linked` functions that a function calls, itself or through other kernels."""
-    seen: set[Callable[..., object]] = set()
-    left = [function]
-    while left:
-        caller = left.pop()
-        names = caller.__code__.co_names
-        known = [caller.__globals__[name] for name in names if name in caller.__globals__]
-        inside = [vars(module)[name] for module in known if ismodule(module) for name in names if name in vars(module)]
-        for callee in (*known, *inside):
-            if isinstance(callee, Linked):
-                callee.link()
-            elif isinstance(callee, Compiled) and callee._function not in seen:
-                seen.add(callee._function)
-                left.append(callee._function)
-
-
-def linked(signature: Any) -> Callable[[Callable[..., None]], Any]:
-    """Compile a function once, for kernels that call it by address.
-
-    numba compiles a kernel anew into each of its callers; a large one that many kernels call would take most of the
-    first run's time. Arguments are numbers and pointers.
-    """
-
-    def link(function: Callable[..., None]) -> Any:
-        return Linked(function, signature)
-
-    return link
+    return cast("Callable[..., Any]", call)

@@ -9,6 +9,10 @@ class TrackctlError(Exception):
     """Root of all errors that a user can mend."""
 
 
+class TrackctlWarning(UserWarning):
+    """What a user should know though the work goes on."""
+
+
 class UsageError(TrackctlError):
     """An option or argument has a value that is not allowed.
 

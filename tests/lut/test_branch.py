@@ -11,8 +11,8 @@ from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, row_of
 from oracle import OraclePoint
 
 from trackctl.lut.branch import REACHED, Way, follow, settle
-from trackctl.lut.cell import solver
 from trackctl.lut.point import solve_points
+from trackctl.lut.solver import solver
 from trackctl.mechanics.limits import GRIP, LIFTOFF, PITCHOVER
 from trackctl.mechanics.operating_point import OperatingPoint, operating_point
 

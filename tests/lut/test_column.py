@@ -12,10 +12,10 @@ from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, random_poi
 from oracle import OraclePoint, Triple, balance, default_starts, det_sign, roots
 
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
-from trackctl.lut.cell import solver
 from trackctl.lut.cells import Cells, pending_cells
 from trackctl.lut.column import Column, solve_column
 from trackctl.lut.point import solve_points
+from trackctl.lut.solver import solver
 from trackctl.lut.table import Status
 
 CONVERGED, NOT_CONVERGED = Status.CONVERGED, Status.NOT_CONVERGED

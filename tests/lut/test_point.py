@@ -11,8 +11,9 @@ import pytest
 from model_cases import DOCUMENTED, SMALL, Array, evaluate, model_of, random_points, row_of
 from oracle import OraclePoint, Triple, default_starts, det_sign, roots
 
-from trackctl.lut.cell import near_no_slip, solve_cold, solver
+from trackctl.lut.cell import near_no_slip, solve_cold
 from trackctl.lut.point import solve_points
+from trackctl.lut.solver import solver
 from trackctl.lut.swarm_search import SURELY_SMALLEST
 from trackctl.lut.table import Status
 from trackctl.mechanics.limits import ADMISSIBLE, proven_infeasible

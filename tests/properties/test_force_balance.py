@@ -11,10 +11,10 @@ import pytest
 from model_cases import DOCUMENTED, SMALL, VARIETY, Array, evaluate, model_of, random_points, row_of
 from oracle import OraclePoint, balance, loads
 
-from trackctl.lut.cell import solver
 from trackctl.lut.cells import Cells, pending_cells
 from trackctl.lut.column import Column, solve_column
 from trackctl.lut.point import solve_points
+from trackctl.lut.solver import solver
 from trackctl.lut.table import Status
 
 VELOCITY = np.array([0.5, 1.0, 1.5])

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.identification.slip_model import PARAMETERS
 
 Array = NDArray[np.float64]
@@ -191,7 +191,7 @@ def update_by_row(z: float, h: Array, r: float, p: Array, P: Array, gain: Array)
     return z * z / variance
 
 
-@kernel
+@inlined
 def accept(estimate: Estimate) -> None:
     """Make the last trial the estimate."""
     estimate.rejections = 0

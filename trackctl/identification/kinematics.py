@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 
 Array = NDArray[np.float64]
 
@@ -44,13 +44,13 @@ class Twist(NamedTuple):
     turn: float
 
 
-@kernel
+@inlined
 def lateral_acceleration(gauge: float, left: float, right: float) -> float:
     """Of the track speeds without slip, a = |V_r^2 - V_l^2| / (2 B). [m/s2]"""
     return abs(right * right - left * left) / (2.0 * gauge)
 
 
-@kernel
+@inlined
 def curvature(gauge: float, left: float, right: float) -> float:
     """Of the track speeds without slip, k = 2 |V_r - V_l| / (B (|V_r| + |V_l|)), bounded also at rest. [1/m]"""
     return 2.0 * abs(right - left) / (gauge * max(abs(right) + abs(left), LEAST_SPEED))
@@ -77,7 +77,7 @@ def icr_stds(P: Array, gauge: float, left: float, right: float) -> Icrs:
     return Icrs(sum_std(P, a, k, 0, 6), sum_std(P, -a, -k, 2, 7), sum_std(P, a, k, 4, 8))
 
 
-@kernel
+@inlined
 def sum_std(P: Array, a: float, k: float, first: int, offset: int) -> float:
     """Standard deviation of a p_i + k p_(i+1) + p_j for i = `first` and j = `offset`."""
     variance = a * a * P[first, first] + k * k * P[first + 1, first + 1] + P[offset, offset]
@@ -128,7 +128,7 @@ class Arc(NamedTuple):
     cosine_slope: float
 
 
-@kernel
+@inlined
 def arc(angle: float) -> Arc:
     """The displacement along an arc of constant twist: (S u_x - C u_y, C u_x + S u_y)."""
     if abs(angle) < 1e-4:

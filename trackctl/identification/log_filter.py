@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.identification.filter_state import MOST_WAITING, POSES, UPDATES, Pose, Ring, State, Update
 from trackctl.identification.kalman import forget
 from trackctl.identification.kinematics import icr_positions, icr_stds
@@ -58,7 +58,7 @@ def advance(state: State, ring: Ring, poses: Ring, updates: Ring, rows: Array) -
         give_up(state, ring, updates)
 
 
-@kernel
+@inlined
 def gap_limit(state: State) -> float:
     """Longest time between track speeds that is no gap. [s]"""
     return float(max(GAP * state.interval, LEAST_GAP * state.window))
@@ -115,7 +115,7 @@ def take_speeds(state: State, ring: Ring, time: float, left: float, right: float
     state.left, state.right, state.speeds_at = left, right, time
 
 
-@kernel
+@inlined
 def without_spike(before: float, held: float, after: float, roughness: float) -> tuple[float, float]:
     """The middle one of three successive speeds, or their median if it is a spike; and the new roughness."""
     median = max(min(before, held), min(max(before, held), after))
@@ -125,7 +125,7 @@ def without_spike(before: float, held: float, after: float, roughness: float) ->
     return (median if deviation > limit else held), roughness
 
 
-@kernel
+@inlined
 def is_held(state: State, pose: Pose) -> bool:
     """Whether a sensor gives its last pose once more though the tracks have rolled."""
     last = state.last
@@ -158,7 +158,7 @@ def take_pose(state: State, ring: Ring, poses: Ring, updates: Ring, pose: Pose) 
     state.rolled = 0.0
 
 
-@kernel
+@inlined
 def follow_poses(state: State, since: float) -> None:
     """Let the window span several poses, within its bounds: one alone would only show a mean velocity."""
     if since <= state.longest_window:
@@ -167,7 +167,7 @@ def follow_poses(state: State, since: float) -> None:
         state.window = min(max(spanned, state.shortest_window), state.longest_window)
 
 
-@kernel
+@inlined
 def copy_pose(source: Pose, target: Pose) -> None:
     """Copy the fields of a pose."""
     target.time, target.x, target.y, target.yaw = source.time, source.x, source.y, source.yaw
@@ -247,7 +247,7 @@ def doubt(state: State, update: Update) -> None:
             state.resets += 1
 
 
-@kernel
+@inlined
 def into_world(start: Pose, motion: Array, end: Array) -> None:
     """Where a motion from a pose leads, as x, y and yaw."""
     cos, sin = math.cos(start.yaw), math.sin(start.yaw)

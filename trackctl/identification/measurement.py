@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.identification.filter_state import POSES, Pose, Ring, State
 from trackctl.identification.kalman import (
     HEADING,
@@ -35,7 +35,7 @@ RETREATS, RETREAT = 6, 4.0
 SLACK = 0.01
 
 
-@kernel
+@inlined
 def wrap(angle: float) -> float:
     """The angle within half a turn. [rad]"""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)

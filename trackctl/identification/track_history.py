@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.identification.kinematics import arc, curvature, lateral_acceleration, twist_of, twist_slopes
 from trackctl.identification.slip_model import PARAMETERS
 
@@ -97,7 +97,7 @@ def travel(ring: Ring, count: int, p: Array, gauge: float, start: float, end: fl
     return first >= 0
 
 
-@kernel
+@inlined
 def overlap(part: Any, start: float, end: float, is_last: bool) -> float:
     """How long an interval lasts between two times; the last one goes on."""
     ended = end if is_last else min(end, part.start + part.duration)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import carray, types  # type: ignore[attr-defined]
+from numba import carray  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel, linked
+from trackctl.compiled import call_by_address, inlined, kernel, procedure
 from trackctl.lut.cell import (
-    DOUBLES,
+    FOLLOW,
     POINT_SIZE,
     SOLVER,
     Solver,
@@ -19,6 +19,7 @@ from trackctl.lut.cell import (
     model_of,
     near_no_slip,
     residuals,
+    set_point,
     solve_cold,
     solve_warm,
 )
@@ -39,6 +40,8 @@ NEAR_END = 0.99
 MOST_STEPS = 120
 MOST_CORRECTIONS = 6
 
+call_follow = call_by_address(FOLLOW)
+
 
 class Way(NamedTuple):
     """From one operating point to another, from parameter 0 to 1: all five quantities change linearly."""
@@ -47,7 +50,7 @@ class Way(NamedTuple):
     last: OperatingPoint
 
 
-@kernel
+@inlined
 def point_at(way: Way, parameter: float) -> OperatingPoint:
     """Operating point on the way."""
     a, b = way.first, way.last
@@ -82,7 +85,8 @@ def turned(solver: Solver, way: Way, line: continuation.Curve) -> bool:
     """Turn the tangent at the curve's point, whose balance `solver.work` holds; False where the branch has none."""
     work = solver.work
     beside = point_at(way, line.point[3] + continuation.DIFFERENCE)
-    residuals(solver, beside, line.point[:3], work.trial_residual)
+    set_point(solver, beside)
+    residuals(solver, line.point[:3], work.trial_residual)
     continuation.differentiate(line, work.residual, work.trial_residual)
     continuation.border(line, work.jacobian, work.residual)
     return continuation.turn(line)
@@ -132,8 +136,8 @@ def trace(solver: Solver, way: Way, x: Array) -> int:
     return exceeded_at(solver, way, line) or LOST
 
 
-@linked(types.int64(types.voidptr, DOUBLES, DOUBLES))
-def linked_trace(memory, ends, unknowns):  # type: ignore[no-untyped-def]
+@procedure(FOLLOW)
+def follow_there(memory, ends, unknowns):  # type: ignore[no-untyped-def]
     """`trace` by address; `ends` are the fields of the way's operating points."""
     e = carray(ends, 2 * POINT_SIZE)
     way = Way(OperatingPoint(e[0], e[1], e[2], e[3], e[4]), OperatingPoint(e[5], e[6], e[7], e[8], e[9]))
@@ -156,7 +160,7 @@ def follow(solver: Solver, way: Way, x: Array) -> int:
         solver.way[i] = value
     for i, value in enumerate(way.last):
         solver.way[POINT_SIZE + i] = value
-    return int(linked_trace(solver.numbers.ctypes, solver.way.ctypes, x.ctypes))
+    return int(call_follow(solver.follow, solver.numbers.ctypes, solver.way.ctypes, x.ctypes))
 
 
 @kernel

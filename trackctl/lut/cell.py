@@ -8,7 +8,7 @@ import numpy as np
 from numba import carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel, linked
+from trackctl.compiled import call_by_address, inlined, kernel, procedure
 from trackctl.mechanics.equilibrium import balance
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK, outside_box
 from trackctl.mechanics.operating_point import OperatingPoint
@@ -46,22 +46,14 @@ MODEL_SIZE = len(TrackModel._fields)
 POINT_SIZE = len(OperatingPoint._fields)
 
 DOUBLES = types.CPointer(types.float64)
-
-
-@linked(types.void(DOUBLES, types.boolean, types.boolean, DOUBLES, DOUBLES, DOUBLES, DOUBLES))
-def linked_balance(  # type: ignore[no-untyped-def]
-    numbers, coarse, differentiate, unknowns, residual, jacobian, traction
-):
-    """`balance` by address; `numbers` are the fields of a `TrackModel`, then of an `OperatingPoint`."""
-    n = carray(numbers, MODEL_SIZE + POINT_SIZE)
-    model = TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
-    point = OperatingPoint(n[10], n[11], n[12], n[13], n[14])
-    x, r, J, t = carray(unknowns, 3), carray(residual, 3), carray(jacobian, (3, 3)), carray(traction, 2)
-    rule = COARSE if coarse else FINE
-    if differentiate:
-        balance(model, point, rule, x, r, J, t, True)
-    else:
-        balance(model, point, rule, x, r, J, t, False)
+#: What is compiled once and called by address: its memory is that of a solver.
+LINEARISE = types.void(types.voidptr, DOUBLES, DOUBLES, DOUBLES)
+RESIDUALS = types.void(types.voidptr, DOUBLES, DOUBLES)
+IMPROVE = types.int64(types.voidptr, DOUBLES, types.float64, types.int64)
+FOLLOW = types.int64(types.voidptr, DOUBLES, DOUBLES)
+SEARCH = types.int64(types.voidptr, types.CPointer(types.uint64), DOUBLES)
+call_linearise, call_residuals = call_by_address(LINEARISE), call_by_address(RESIDUALS)
+call_improve = call_by_address(IMPROVE)
 
 
 #: A record of the type `SOLVER`: what a thread needs to solve cells.
@@ -81,36 +73,44 @@ SOLVER = np.dtype(
         ("work", workspace(3)),  # holds the balance of the last solution
         ("flock", swarm(PARTICLES, 3)),
         ("root", np.float64, 3),  # best of a search
-        ("least", np.float64, 1),  # least residual that it met
+        ("least", np.float64),  # least residual that it met
         ("flock_lower", np.float64, 3),  # box of the swarm's coordinates
         ("flock_upper", np.float64, 3),
         ("quadratic", np.float64),  # residual after the last Newton step, over the square of that before it
         ("curve", curve(3)),
         ("way", np.float64, 2 * POINT_SIZE),  # first and last operating point of the curve
         ("difference", np.float64, (MOST_DIFFERENCES + 1, 3)),  # backward differences of the last roots along a row
+        # Addresses of what is called by address.
+        ("linearise", np.int64),
+        ("residuals", np.int64),
+        ("improve", np.int64),
+        ("follow", np.int64),
+        ("search", np.int64),
     ],
     align=True,
 )
 
 
-def solver(model: TrackModel) -> NDArray[np.void]:
+def cell_solver(model: TrackModel) -> NDArray[np.void]:
     """A thread's solver, shape (1,): track speeds from 0.01 to 6 times the vehicle's, sideslip up to 60 degrees."""
     memory = np.zeros(1, SOLVER)
     memory["numbers"][0, :MODEL_SIZE] = model
     memory["lower"] = (SLOWEST_TRACK, SLOWEST_TRACK, -LARGEST_SIDESLIP)
     memory["upper"] = (FASTEST_TRACK, FASTEST_TRACK, LARGEST_SIDESLIP)
     memory["quadratic"] = np.inf
+    memory["linearise"], memory["residuals"] = linearise_there.address, residuals_there.address
+    memory["improve"] = improve_there.address
     return memory
 
 
-@kernel
+@inlined
 def model_of(solver: Solver) -> TrackModel:
     """The model that a solver was made for."""
     n = solver.numbers
     return TrackModel(n[0], n[1], n[2], n[3], n[4], n[5], n[6], n[7], n[8], n[9])
 
 
-@kernel
+@inlined
 def no_slip_speed(model: TrackModel, curvature: float, track: int) -> float:
     """Speed ratio of a track (0 left, 1 right) that does not slip, kept in the physical box."""
     arm = (0.5 - track) * model.gauge - model.cog_left
@@ -135,32 +135,48 @@ def set_point(solver: Solver, point: OperatingPoint) -> None:
         solver.numbers[MODEL_SIZE + i] = value
 
 
-@kernel
-def balance_there(solver: Solver, x: Array, residual: Array, jacobian: Array, differentiate: bool) -> None:
-    """Balance at x of the operating point that was set, with the derivatives or without."""
-    linked_balance(
-        solver.numbers.ctypes,
-        solver.coarse,
-        differentiate,
-        x.ctypes,
-        residual.ctypes,
-        jacobian.ctypes,
-        solver.traction.ctypes,
-    )
+@inlined
+def point_in(solver: Solver) -> OperatingPoint:
+    """The operating point that was set."""
+    n = solver.numbers
+    return OperatingPoint(n[10], n[11], n[12], n[13], n[14])
+
+
+@procedure(LINEARISE)
+def linearise_there(memory, unknowns, residual, jacobian):  # type: ignore[no-untyped-def]
+    """`linearise` by address."""
+    solver = carray(memory, 1, SOLVER)[0]
+    rule = COARSE if solver.coarse else FINE
+    x, r, J = carray(unknowns, 3), carray(residual, 3), carray(jacobian, (3, 3))
+    balance(model_of(solver), point_in(solver), rule, x, r, J, solver.traction, True)
+
+
+@procedure(RESIDUALS)
+def residuals_there(memory, unknowns, residual):  # type: ignore[no-untyped-def]
+    """`residuals` by address."""
+    solver = carray(memory, 1, SOLVER)[0]
+    rule = COARSE if solver.coarse else FINE
+    x, r = carray(unknowns, 3), carray(residual, 3)
+    balance(model_of(solver), point_in(solver), rule, x, r, solver.work.trial_jacobian, solver.traction, False)
+
+
+@inlined
+def linearise(solver: Solver, x: Array, residual: Array, jacobian: Array) -> None:
+    """Balance at x of the operating point that was set, with its derivatives."""
+    call_linearise(solver.linearise, solver.numbers.ctypes, x.ctypes, residual.ctypes, jacobian.ctypes)
+
+
+@inlined
+def residuals(solver: Solver, x: Array, residual: Array) -> None:
+    """Balance at x of the operating point that was set, without derivatives."""
+    call_residuals(solver.residuals, solver.numbers.ctypes, x.ctypes, residual.ctypes)
 
 
 @kernel
 def evaluate(solver: Solver, point: OperatingPoint, x: Array, residual: Array, jacobian: Array) -> None:
     """Balance at x."""
     set_point(solver, point)
-    balance_there(solver, x, residual, jacobian, True)
-
-
-@kernel
-def residuals(solver: Solver, point: OperatingPoint, x: Array, residual: Array) -> None:
-    """Balance at x, without derivatives."""
-    set_point(solver, point)
-    balance_there(solver, x, residual, solver.work.trial_jacobian, False)
+    linearise(solver, x, residual, jacobian)
 
 
 @kernel
@@ -170,7 +186,7 @@ def residual_at(solver: Solver, point: OperatingPoint, x: Array) -> float:
     return lm.largest(solver.work.residual)
 
 
-@kernel
+@inlined
 def forget(solver: Solver) -> None:
     """Let the next solution owe nothing to those before it."""
     solver.quadratic = np.inf
@@ -190,17 +206,19 @@ def evaluate_trial(solver: Solver, newton: bool, tolerance: float) -> int:
         for i in range(3):
             for j in range(3):
                 work.trial_jacobian[i, j] = work.jacobian[i, j]
-    balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian, not expected)
+        residuals(solver, work.trial, work.trial_residual)
+    else:
+        linearise(solver, work.trial, work.trial_residual, work.trial_jacobian)
     remaining = lm.largest(work.trial_residual)
     if newton:
         solver.quadratic = remaining / square
     if expected and not remaining <= tolerance:
-        balance_there(solver, work.trial, work.trial_residual, work.trial_jacobian, True)
+        linearise(solver, work.trial, work.trial_residual, work.trial_jacobian)
         return 2
     return 1
 
 
-@kernel
+@inlined
 def branch_sign(jacobian: Array) -> float:
     """Determinant of the balance: positive on the branch that goes on from low speed, negative beyond its fold."""
     a = jacobian
@@ -225,7 +243,7 @@ def improve(solver: Solver, x: Array, effort: Effort) -> bool:
     `solver.work` holds the balance at x; its derivatives may be those of one Newton step before, away from a fold.
     """
     work = solver.work
-    balance_there(solver, x, work.residual, work.jacobian, True)
+    linearise(solver, x, work.residual, work.jacobian)
     evaluations = 1
     damping = 0.0
     while not lm.is_solved(work, effort.tolerance):
@@ -237,12 +255,12 @@ def improve(solver: Solver, x: Array, effort: Effort) -> bool:
         else:
             damping = lm.more_damping(damping)
     if is_near_fold(work.jacobian):
-        balance_there(solver, x, work.residual, work.jacobian, True)
+        linearise(solver, x, work.residual, work.jacobian)
     return True
 
 
-@linked(types.int64(types.voidptr, DOUBLES, types.float64, types.int64))
-def linked_improve(memory, unknowns, tolerance, evaluations):  # type: ignore[no-untyped-def]
+@procedure(IMPROVE)
+def improve_there(memory, unknowns, tolerance, evaluations):  # type: ignore[no-untyped-def]
     """`improve` by address."""
     return int(improve(carray(memory, 1, SOLVER)[0], carray(unknowns, 3), Effort(tolerance, evaluations)))
 
@@ -254,7 +272,7 @@ def solve_from(solver: Solver, point: OperatingPoint, x: Array, effort: Effort) 
     `solver.work` holds the balance at x.
     """
     set_point(solver, point)
-    return bool(linked_improve(solver.numbers.ctypes, x.ctypes, effort.tolerance, effort.evaluations))
+    return bool(call_improve(solver.improve, solver.numbers.ctypes, x.ctypes, effort.tolerance, effort.evaluations))
 
 
 @kernel

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import compile_for, inlined, kernel
 from trackctl.lut.branch import LOST, REACHED, Way, follow, settle
-from trackctl.lut.cell import MOST_DIFFERENCES, Solver, forget, model_of, near_no_slip, residual_at, solve_warm
-from trackctl.lut.cells import PENDING, Cells
+from trackctl.lut.cell import MOST_DIFFERENCES, SOLVER, Solver, forget, model_of, near_no_slip, residual_at, solve_warm
+from trackctl.lut.cells import PENDING, Cells, pending_cells
 from trackctl.lut.point import NOT_CONVERGED
 from trackctl.lut.swarm_search import search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible, surely_admissible
@@ -64,7 +64,7 @@ def point_of(solver: Solver, column: Column, row: int, cell: int) -> OperatingPo
     return operating_point(model, column.slope, column.velocity[row], column.curvature, column.heading[cell])
 
 
-@kernel
+@inlined
 def has_root(cells: Cells, row: int, cell: int) -> bool:
     """Whether a cell has a root, be it one beyond a limit."""
     return row >= 0 and not math.isnan(cells[row, cell].unknowns[0])
@@ -81,7 +81,7 @@ def store(solver: Solver, cells: Cells, row: int, cell: int, point: OperatingPoi
         cells[row, cell].traction[i] = solver.traction[i]
 
 
-@kernel
+@inlined
 def neighbour(column: Column, cell: int, offset: int) -> int:
     """Index of a cell's neighbour in heading, or -1 beyond the end."""
     count = column.heading.size
@@ -361,3 +361,9 @@ def solve_column(memory: NDArray[np.void], column: Column, cells: Cells) -> None
                 cells[row, cell] = cells[0, cell]
         else:
             solve_row(solver, column, cells, row, ends, x)
+
+
+def compile_column() -> None:
+    """Compile `solve_column`, or load it."""
+    one = np.zeros(1)
+    compile_for(solve_column, np.zeros(1, SOLVER), Column(0.0, 0.0, one, one, True, 0), pending_cells((1, 1)))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.shape_functions import Flags, Method, Offsets, Stencils, axis_stencils, weigh
 from trackctl.lut.table import Status, Table
@@ -350,7 +350,7 @@ def derive(grid: Grid, points: Array, answers: Array, status: Codes) -> None:
         answers[6, query] = slip(right, math.cos(sideslip) - curvature * right_arm)
 
 
-@kernel
+@inlined
 def slip(track: float, body: float) -> float:
     """Slip of a track from its speed over the hull and the hull's over the ground, in one unit."""
     return (track - body) / max(abs(track), abs(body))

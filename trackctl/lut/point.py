@@ -7,10 +7,11 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import compile_for, kernel
 from trackctl.lut.branch import LOST, REACHED, settle
-from trackctl.lut.cell import Solver, forget, model_of, near_no_slip, residual_at, solve_cold, solver
+from trackctl.lut.cell import SOLVER, Solver, forget, model_of, near_no_slip, residual_at, solve_cold
 from trackctl.lut.cells import Cells, pending_cells
+from trackctl.lut.solver import load_procedures, solver
 from trackctl.lut.swarm_search import SURELY_SMALLEST, search
 from trackctl.mechanics.limits import ADMISSIBLE, exceeded_limit, proven_infeasible
 from trackctl.mechanics.operating_point import operating_point
@@ -92,6 +93,11 @@ def solve_batch(
                 cell.traction[k] = solver.traction[k]
 
 
+def compile_batch() -> None:
+    """Compile `solve_batch`, or load it."""
+    compile_for(solve_batch, np.zeros(1, SOLVER), np.zeros((1, 4)), 0, 0, True, pending_cells((1,)))
+
+
 def solve_points(
     model: TrackModel, points: Array, *, seed: int = 0, swarm_always: bool = False, jobs: int = 1
 ) -> Cells:
@@ -123,6 +129,8 @@ def solve_points(
         part = slice(first, first + BATCH)
         solve_batch(solver(model), points[part], seed, first, not swarm_always, cells[part])
 
+    load_procedures()
+    compile_batch()
     with ThreadPoolExecutor(jobs) as pool:
         list(pool.map(solve, bounds))
     return cells

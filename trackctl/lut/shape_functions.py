@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 
 Indices = NDArray[np.int64]
@@ -216,13 +216,13 @@ def shape_functions(method: int, extent: int, x: float, nodes: Weights, factors:
     return a0 * (c0 - mean), a1 * (c1 - mean), a2 * (c2 - mean), a3 * (c3 - mean)
 
 
-@kernel
+@inlined
 def four(rows: Array, row: int) -> Weights:
     """One row of four, as numbers."""
     return rows[row, 0], rows[row, 1], rows[row, 2], rows[row, 3]
 
 
-@kernel
+@inlined
 def omission_mean(t: float, a: Weights, c: Weights) -> float:
     """Mean of c over the parabolas that each omit one node, as moving least squares weighs them.
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import carray, types  # type: ignore[attr-defined]
+from numba import carray  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel, linked
+from trackctl.compiled import call_by_address, kernel, procedure
 from trackctl.lut.cell import (
-    DOUBLES,
     PARTICLES,
+    SEARCH,
     SLIP_SCALE,
     SOLVER,
     TOLERANCE,
@@ -20,6 +20,7 @@ from trackctl.lut.cell import (
     is_answer,
     model_of,
     no_slip_speed,
+    point_in,
     residual_at,
     residuals,
     set_point,
@@ -34,7 +35,7 @@ from trackctl.solvers.random_stream import Stream
 
 Array = NDArray[np.float64]
 
-BITS = types.CPointer(types.uint64)  # type: ignore[no-untyped-call]
+call_search = call_by_address(SEARCH)
 
 SETTINGS = pso.Settings(iterations=10, first_inertia=0.9, last_inertia=0.3, cognitive=1.5, social=1.5)
 #: Most particles that Levenberg-Marquardt starts from, best first.
@@ -71,13 +72,14 @@ def set_box(solver: Solver, model: TrackModel, curvature: float) -> None:
 def fly(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> None:
     """Let the swarm search the coarse balance; its particles' bests are the starts."""
     model, flock, work = model_of(solver), solver.flock, solver.work
+    set_point(solver, point)
     set_box(solver, model, point.curvature)
     pso.scatter(flock, solver.flock_lower, solver.flock_upper, stream)
     leader = int(np.int64(0))  # no literal: numba would compile the loop's kernels for it, too
     for iteration in range(SETTINGS.iterations):
         for i in range(PARTICLES):
             unknowns_of(model, point.curvature, flock.position[i], x)
-            residuals(solver, point, x, work.residual)
+            residuals(solver, x, work.residual)
             leader = pso.record(flock, i, lm.sum_of_squares(work.residual), leader)
         inertia = pso.inertia_at(SETTINGS, iteration)
         pso.move(flock, leader, inertia, SETTINGS, solver.flock_lower, solver.flock_upper, stream)
@@ -121,13 +123,11 @@ def fly_and_improve(solver: Solver, point: OperatingPoint, stream: Stream, x: Ar
     return True, residual_at(solver, point, x)
 
 
-@linked(types.int64(types.voidptr, BITS, DOUBLES, DOUBLES))
-def linked_search(memory, stream, unknowns, least):  # type: ignore[no-untyped-def]
-    """`fly_and_improve` by address, for the operating point that was set; `least` receives the least residual."""
+@procedure(SEARCH)
+def search_there(memory, stream, unknowns):  # type: ignore[no-untyped-def]
+    """`fly_and_improve` by address, for the operating point that was set."""
     solver = carray(memory, 1, SOLVER)[0]
-    n = solver.numbers
-    point = OperatingPoint(n[10], n[11], n[12], n[13], n[14])
-    found, carray(least, 1)[0] = fly_and_improve(solver, point, carray(stream, 1), carray(unknowns, 3))
+    found, solver.least = fly_and_improve(solver, point_in(solver), carray(stream, 1), carray(unknowns, 3))
     return int(found)
 
 
@@ -141,5 +141,5 @@ def search(solver: Solver, point: OperatingPoint, stream: Stream, x: Array) -> t
         Whether it was found (x holds it, the solver's memory its balance), and the least residual met.
     """
     set_point(solver, point)
-    found = linked_search(solver.numbers.ctypes, stream.ctypes, x.ctypes, solver.least.ctypes)
-    return bool(found), float(solver.least[0])
+    found = call_search(solver.search, solver.numbers.ctypes, stream.ctypes, x.ctypes)
+    return bool(found), float(solver.least)

@@ -8,10 +8,10 @@ from enum import StrEnum
 import numpy as np
 
 from trackctl.lut.axes import Array, Axes
-from trackctl.lut.cell import solver
 from trackctl.lut.cells import Cells, pending_cells
-from trackctl.lut.column import Column, solve_column
-from trackctl.lut.point import solve_batch
+from trackctl.lut.column import Column, compile_column, solve_column
+from trackctl.lut.point import compile_batch, solve_batch
+from trackctl.lut.solver import load_procedures, solver
 from trackctl.lut.table import Status
 from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.slip import body_speed, slip
@@ -53,6 +53,15 @@ class Sweep:
     def place(self, column: int) -> tuple[int, int]:
         """Slope and curvature index of a column."""
         return divmod(column, self.axes.curvature.size)
+
+
+def load_kernels(seeding: Seeding) -> None:
+    """Compile what solves a column, or load it: not in threads, since an interrupt waits for what they compile."""
+    load_procedures()
+    if seeding is Seeding.CONTINUATION:
+        compile_column()
+    else:
+        compile_batch()
 
 
 def solve(sweep: Sweep, column: int) -> Cells:

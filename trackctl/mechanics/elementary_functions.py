@@ -11,7 +11,7 @@ import numpy as np
 from numpy.polynomial import Chebyshev, Polynomial
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def decay(exponent: float) -> float:
     return float(e * e)
 
 
-@kernel
+@inlined
 def sinc(z: float) -> float:
     """sin(a)/a of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
     # fmt: off
@@ -59,7 +59,7 @@ def sinc(z: float) -> float:
     # fmt: on
 
 
-@kernel
+@inlined
 def cosine(z: float) -> float:
     """cos(a) of z = a^2, for |a| up to `LARGEST_HALF_ANGLE`."""
     # fmt: off

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.mechanics.contact import loads
 from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import TrackModel
@@ -48,7 +48,7 @@ def missing_grip(model: TrackModel, point: OperatingPoint) -> float:
     return demand - supply
 
 
-@kernel
+@inlined
 def surely_admissible(model: TrackModel, slope: float, centripetal: float) -> bool:
     """Whether `proven_infeasible` can prove nothing at any heading, by the triangle inequality."""
     lateral, normal = math.sin(slope) + abs(centripetal), math.cos(slope)
@@ -95,7 +95,7 @@ def exceeded_limit(model: TrackModel, point: OperatingPoint, unknowns: Array) ->
     return ADMISSIBLE
 
 
-@kernel
+@inlined
 def outside_box(unknowns: Array) -> bool:
     """Whether the unknowns lie outside the physical box."""
     return bool(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined
 from trackctl.mechanics.parameters import TrackModel
 
 
@@ -31,7 +31,11 @@ class OperatingPoint(NamedTuple):
     centripetal: float
 
 
-@kernel
+#: Standing on level ground.
+AT_REST = OperatingPoint(0.0, 0.0, 1.0, 0.0, 0.0)
+
+
+@inlined
 def operating_point(
     model: TrackModel, slope: float, velocity: float, curvature: float, heading: float
 ) -> OperatingPoint:

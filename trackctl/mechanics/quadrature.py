@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 
 Array = NDArray[np.float64]
 
@@ -81,7 +81,7 @@ def joined(nodes: Array, weights: Array, count: NDArray[np.int64]) -> Array:
     return result
 
 
-@kernel
+@inlined
 def axis_through(real: float, imaginary: float, start: float, end: float) -> float:
     """Half major axis, in half stretches, of the ellipse with foci at the ends through a complex point."""
     square = imaginary * imaginary

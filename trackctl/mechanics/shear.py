@@ -102,7 +102,7 @@ def singularities(motion: TrackMotion, ground: Contact) -> Singularities:
     return Singularities(x_0, abs((wx - V) * radius), x_1, abs(w_1))
 
 
-@kernel
+@inlined
 def boundary_layer(motion: TrackMotion, shear_modulus: float, part: Stretch) -> float:
     """Exponent X of the stress that builds up as 1 - exp(-X t) along a stretch. [-]
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.collision import HALF_DIAGONAL, Obstacles, cell_position, free_radius, is_clear
 
 Array = NDArray[np.float64]
@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 CORNERS = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
 
 
-@borrowing_kernel
+@inlined
 def _distance_to_edge(x: float, y: float, start: Array, end: Array) -> float:
     """From a point to a polygon's edge. [m]"""
     along_x, along_y = end[0] - start[0], end[1] - start[1]
@@ -24,7 +24,7 @@ def _distance_to_edge(x: float, y: float, start: Array, end: Array) -> float:
     return math.hypot(x - start[0] - share * along_x, y - start[1] - share * along_y)
 
 
-@borrowing_kernel
+@kernel
 def _distance_to_cell(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float
 ) -> float:
@@ -67,7 +67,7 @@ def _distance_to_cell(
     return nearest
 
 
-@borrowing_kernel
+@inlined
 def _is_blocked(obstacles: Obstacles, row: int, column: int) -> bool:
     n_rows, n_columns = obstacles.distance.shape
     if row < 0 or row >= n_rows or column < 0 or column >= n_columns:
@@ -75,7 +75,7 @@ def _is_blocked(obstacles: Obstacles, row: int, column: int) -> bool:
     return bool(obstacles.before[row, column + 1] > obstacles.before[row, column])
 
 
-@borrowing_kernel
+@kernel
 def clearance_at(obstacles: Obstacles, x: float, y: float, yaw: float, bound: float) -> float:
     """Distance from the footprint to the nearest blocked square, or the bound if that is less; 0 where they touch.
 
@@ -106,7 +106,7 @@ def clearance_at(obstacles: Obstacles, x: float, y: float, yaw: float, bound: fl
     return bound
 
 
-@borrowing_kernel
+@kernel
 def _least_clearance(obstacles: Obstacles, x: Array, y: Array, yaw: Array, bound: float) -> float:
     for i in range(x.size):
         bound = clearance_at(obstacles, x[i], y[i], yaw[i], bound)
@@ -132,7 +132,7 @@ def _contiguous(x: Array, y: Array, yaw: Array) -> tuple[Array, Array, Array]:
     return np.ascontiguousarray(x, float), np.ascontiguousarray(y, float), np.ascontiguousarray(yaw, float)
 
 
-@borrowing_kernel
+@kernel
 def _first_hit(obstacles: Obstacles, x: Array, y: Array, yaw: Array) -> int:
     for i in range(x.size):
         moved = 0.0

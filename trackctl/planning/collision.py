@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.collision_grid import CollisionGrid
 from trackctl.planning.footprint import Footprint
 
@@ -81,7 +81,7 @@ def obstacles_of(grid: CollisionGrid, footprint: Footprint, margin: float = 0.0)
     return Obstacles(before, distance, *frame, float(margin), footprint, np.empty((2, math.ceil(tallest) + 4)))
 
 
-@borrowing_kernel
+@inlined
 def cell_position(obstacles: Obstacles, x: float, y: float) -> tuple[float, float]:
     """Column and row of a point, with fractions: a cell's centre lies at halves. [cells]"""
     dx, dy = x - obstacles.x, y - obstacles.y
@@ -89,7 +89,7 @@ def cell_position(obstacles: Obstacles, x: float, y: float) -> tuple[float, floa
     return column, (obstacles.cos_yaw * dy - obstacles.sin_yaw * dx) / obstacles.resolution
 
 
-@borrowing_kernel
+@inlined
 def free_radius(obstacles: Obstacles, column: float, row: float) -> float:
     """Distance from a point to the nearest blocked square, or less; not above 0 outside the grid. [m]"""
     n_rows, n_columns = obstacles.distance.shape
@@ -100,7 +100,7 @@ def free_radius(obstacles: Obstacles, column: float, row: float) -> float:
     return float(obstacles.distance[i, j]) - off * obstacles.resolution
 
 
-@borrowing_kernel
+@kernel
 def disc_clearance(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: float) -> float:
     """Distance from the footprint to the nearest blocked square, or less; negative where discs do not tell. [m]"""
     discs = obstacles.footprint.discs
@@ -114,7 +114,7 @@ def disc_clearance(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin
     return clearance
 
 
-@borrowing_kernel
+@kernel
 def _bounds(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float
 ) -> tuple[float, float, float, float]:
@@ -128,7 +128,7 @@ def _bounds(
     return left, right, low, high
 
 
-@borrowing_kernel
+@inlined
 def _row_is_clear(before: Counts, row: int, first: float, last: float) -> bool:
     """Whether no blocked cell of a row has its centre between two columns; there are none outside the grid."""
     start, stop = math.ceil(first - 0.5), math.floor(last - 0.5)
@@ -139,7 +139,7 @@ def _row_is_clear(before: Counts, row: int, first: float, last: float) -> bool:
     return bool(before[row, stop + 1] == before[row, start])
 
 
-@borrowing_kernel
+@kernel
 def _cut_spans(first: Array, last: Array, normal_x: float, normal_y: float, offset: float, row: float) -> None:
     """Cut spans of columns, one for each row of cells from the given centre on, to the inside of an edge. [cells]"""
     n_rows = first.size
@@ -157,7 +157,7 @@ def _cut_spans(first: Array, last: Array, normal_x: float, normal_y: float, offs
             first[i] = max(first[i], at - slope * i)
 
 
-@borrowing_kernel
+@kernel
 def _lay_down(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float, growth: float
 ) -> tuple[int, int]:
@@ -183,7 +183,7 @@ def _lay_down(
     return start, start + count
 
 
-@borrowing_kernel
+@kernel
 def _first_touched(
     obstacles: Obstacles, part: int, column: float, row: float, cos_yaw: float, sin_yaw: float, growth: float
 ) -> tuple[int, float, float]:
@@ -202,7 +202,7 @@ def _first_touched(
     return NOWHERE, 0.0, 0.0
 
 
-@borrowing_kernel
+@kernel
 def is_clear(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: float, growth: float) -> bool:
     """Whether the footprint, grown on all sides by its margin and some more, touches no blocked square.
 
@@ -232,7 +232,7 @@ def is_clear(obstacles: Obstacles, x: float, y: float, cos_yaw: float, sin_yaw: 
     return True
 
 
-@borrowing_kernel
+@kernel
 def touched_cell(obstacles: Obstacles, x: float, y: float, yaw: float) -> tuple[int, int]:
     """Row and column of a blocked square that the footprint with its margin touches, perhaps one outside the grid.
 
@@ -253,7 +253,7 @@ def touched_cell(obstacles: Obstacles, x: float, y: float, yaw: float) -> tuple[
     return NOWHERE, 0
 
 
-@borrowing_kernel
+@kernel
 def cleared_movement(obstacles: Obstacles, x: float, y: float, yaw: float, wanted: float) -> float:
     """How far each point of the footprint may move from a pose without touching, as far as is quickly told.
 

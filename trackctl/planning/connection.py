@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning import reeds_shepp
 from trackctl.planning.dubins import WORD_COUNT, WORDS, dubins_word, seen_from
 from trackctl.planning.pieces import Task, Way, pivot_cost, way_cost, way_is_free
@@ -23,7 +23,7 @@ TURNS_BACKWARDS, ALL_WORDS = TURNS + 1, TURNS + 2
 Pose = tuple[float, float, float]
 
 
-@borrowing_kernel
+@kernel
 def _write_dubins(local: Pose, word: int, way: Way) -> int:
     pieces = dubins_word(local[0], local[1], local[2], word)
     if pieces[1] == np.inf:
@@ -33,7 +33,7 @@ def _write_dubins(local: Pose, word: int, way: Way) -> int:
     return 3
 
 
-@borrowing_kernel
+@kernel
 def _write_turns(local: Pose, forth: float, way: Way) -> int:
     heading = math.atan2(forth * local[1], forth * local[0])
     way.curvature[:3] = 0.0
@@ -42,7 +42,7 @@ def _write_turns(local: Pose, forth: float, way: Way) -> int:
     return 3
 
 
-@borrowing_kernel
+@kernel
 def _write(local: Pose, radius: float, word: int, way: Way) -> int:
     """Write a word to a pose seen from the start in turning radii; the number of pieces, 0 where it does not exist."""
     sense = 1.0
@@ -60,7 +60,7 @@ def _write(local: Pose, radius: float, word: int, way: Way) -> int:
     return count
 
 
-@borrowing_kernel
+@kernel
 def _estimate(task: Task, gear: int, way: Way, count: int) -> float:
     """Least cost that some pieces may have."""
     if count == 0:
@@ -74,7 +74,7 @@ def _estimate(task: Task, gear: int, way: Way, count: int) -> float:
     return float(length * task.least_rate + (changes * task.gear_change if changes else 0.0) + turning)
 
 
-@borrowing_kernel
+@inlined
 def _is_allowed(task: Task, word: int) -> bool:
     """Whether the vehicle can do what a word asks for."""
     if word >= TURNS and task.pivot_rate == np.inf:
@@ -82,7 +82,7 @@ def _is_allowed(task: Task, word: int) -> bool:
     return task.can_reverse or word < BACKWARDS or word == TURNS
 
 
-@borrowing_kernel
+@kernel
 def _estimate_all(task: Task, gear: int, local: Pose, radius: float, way: Way) -> int:
     """Note the least cost of every word, infinite where it does not exist or cannot be driven; the number of words."""
     count = ALL_WORDS if task.can_reverse or task.pivot_rate < np.inf else BACKWARDS
@@ -93,7 +93,7 @@ def _estimate_all(task: Task, gear: int, local: Pose, radius: float, way: Way) -
     return count
 
 
-@borrowing_kernel
+@kernel
 def connect(
     task: Task,
     start: tuple[float, float, float, int],

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 
 FULL_CIRCLE = 2.0 * math.pi
 #: A turn this close below the full circle is none, and circles this close to touching do: rounding. [rad], [radii]
@@ -24,14 +24,14 @@ WORDS = np.array(
 WORD_COUNT = 6
 
 
-@borrowing_kernel
+@inlined
 def _turn(angle: float) -> float:
     """The angle's equal in [0, 2 pi), a full circle by rounding being none. [rad]"""
     rest = angle - FULL_CIRCLE * math.floor(angle / FULL_CIRCLE)
     return 0.0 if rest > FULL_CIRCLE - ROUNDING else rest
 
 
-@borrowing_kernel
+@kernel
 def _straight_in_between(x: float, y: float, turn: float, first: float, last: float) -> tuple[float, float, float]:
     """Arc, straight, arc to a pose seen from the start, in radii.
 
@@ -51,7 +51,7 @@ def _straight_in_between(x: float, y: float, turn: float, first: float, last: fl
     return _turn(first * heading), straight, _turn(last * (turn - heading))
 
 
-@borrowing_kernel
+@kernel
 def _arc_in_between(x: float, y: float, turn: float, first: float) -> tuple[float, float, float]:
     """Arc, long arc the other way round, arc to a pose seen from the start, in radii."""
     across = x - first * math.sin(turn), y - first + first * math.cos(turn)
@@ -64,7 +64,7 @@ def _arc_in_between(x: float, y: float, turn: float, first: float) -> tuple[floa
     return begin, middle, _turn(first * turn - begin + middle)
 
 
-@borrowing_kernel
+@kernel
 def dubins_word(x: float, y: float, turn: float, word: int) -> tuple[float, float, float]:
     """Lengths of a word's three pieces to a pose seen from the start.
 
@@ -87,7 +87,7 @@ def dubins_word(x: float, y: float, turn: float, word: int) -> tuple[float, floa
     return _arc_in_between(x, y, turn, WORDS[word, 0])
 
 
-@borrowing_kernel
+@inlined
 def seen_from(
     x: float, y: float, tangent: float, end_x: float, end_y: float, end_tangent: float, unit: float
 ) -> tuple[float, float, float]:
@@ -97,7 +97,7 @@ def seen_from(
     return cos_tangent * dx + sin_tangent * dy, cos_tangent * dy - sin_tangent * dx, end_tangent - tangent
 
 
-@borrowing_kernel
+@kernel
 def dubins_length(
     x: float, y: float, tangent: float, end_x: float, end_y: float, end_tangent: float, radius: float
 ) -> float:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.dubins import seen_from
 from trackctl.planning.pieces import Way
 
@@ -20,13 +20,13 @@ FULL_CIRCLE = 2.0 * math.pi
 STRAIGHT = 1e-9
 
 
-@borrowing_kernel
+@inlined
 def _turned(angle: float) -> float:
     """The angle's equal in [0, 2 pi). [rad]"""
     return angle - FULL_CIRCLE * math.floor(angle / FULL_CIRCLE)
 
 
-@borrowing_kernel
+@inlined
 def single_arc(x: float, y: float) -> tuple[float, float]:
     """Curvature and length of the arc through the origin, along x there, and a point. [1/m], [m]"""
     squared = x * x + y * y
@@ -36,7 +36,7 @@ def single_arc(x: float, y: float) -> tuple[float, float]:
     return curvature, 2.0 * math.atan2(y, x) / curvature
 
 
-@borrowing_kernel
+@kernel
 def arc_and_straight(x: float, y: float, side: float) -> tuple[float, float]:
     """Turned angle and length of the straight to a point, lengths in radii; infinite inside the turning circle.
 
@@ -55,7 +55,7 @@ def arc_and_straight(x: float, y: float, side: float) -> tuple[float, float]:
     return _turned(side * heading), straight
 
 
-@borrowing_kernel
+@kernel
 def two_arcs(x: float, y: float, side: float) -> tuple[float, float]:
     """Angles of an arc and an opposite one to a point; infinite where it is out of reach.
 
@@ -86,7 +86,7 @@ def two_arcs(x: float, y: float, side: float) -> tuple[float, float]:
     return found
 
 
-@borrowing_kernel
+@kernel
 def arc_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int:
     """The member of C to a point seen in turning radii, if that is not too tight; the number of pieces."""
     if local_x * local_x + local_y * local_y == 0.0:
@@ -98,7 +98,7 @@ def arc_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int
     return 1
 
 
-@borrowing_kernel
+@kernel
 def way_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int:
     """The shortest of CS and CC to a point.
 
@@ -132,7 +132,7 @@ def way_to_point(local_x: float, local_y: float, radius: float, way: Way) -> int
     return count
 
 
-@borrowing_kernel
+@kernel
 def distance_to_point(x: float, y: float, tangent: float, point_x: float, point_y: float, radius: float) -> float:
     """Length of the shortest of CS and CC to a point. [m]"""
     local_x, local_y, _ = seen_from(x, y, tangent, point_x, point_y, 0.0, radius)

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import kernel
 from trackctl.planning.pose import wrapped
 from trackctl.planning.slope_field import SlopeField, gradient_at
 from trackctl.planning.steering_limits import SteeringLimits
@@ -175,7 +175,7 @@ def _has_no_direction(motion: Motion) -> bool:
     return all(bool((table == table[:, :, :1]).all()) for table in (motion.rate, motion.sideslip))
 
 
-@borrowing_kernel
+@kernel
 def _stretch(axis: Array, at: float) -> tuple[int, float]:
     """Node before a value and the share of the way to the next; a node of -1 outside the axis."""
     last = axis.size - 1
@@ -193,14 +193,14 @@ def _stretch(axis: Array, at: float) -> tuple[int, float]:
     return low, min(1.0, (at - axis[low]) / (axis[high] - axis[low]))
 
 
-@borrowing_kernel
+@kernel
 def slope_at(field: SlopeField, x: float, y: float) -> tuple[float, float]:
     """Angle of the slope and direction of up-slope in the world; NaN where the ground is not known. [rad]"""
     gradient_x, gradient_y = gradient_at(field, x, y)
     return math.atan(math.hypot(gradient_x, gradient_y)), math.atan2(gradient_y, gradient_x)
 
 
-@borrowing_kernel
+@kernel
 def rate_and_sideslip(motion: Motion, slope: float, curvature: float, direction: float) -> tuple[float, float]:
     """Cost of a metre and sideslip, linear between nodes.
 
@@ -241,7 +241,7 @@ def rate_and_sideslip(motion: Motion, slope: float, curvature: float, direction:
     return rate, sideslip
 
 
-@borrowing_kernel
+@kernel
 def rate_at(
     ground: Ground, motion: Motion, x: float, y: float, tangent: float, curvature: float
 ) -> tuple[float, float]:
@@ -252,7 +252,7 @@ def rate_at(
     return rate_and_sideslip(motion, slope, curvature, tangent - uphill)
 
 
-@borrowing_kernel
+@kernel
 def straight_tangent(ground: Ground, motion: Motion, x: float, y: float, yaw: float) -> float:
     """Tangent of straight driving at a body's heading: tangent = yaw + sideslip(tangent). [rad]"""
     tangent = yaw

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.collision import cell_position, free_radius
 from trackctl.planning.connection import connect
 from trackctl.planning.dubins import seen_from
@@ -87,7 +87,7 @@ class Growth(NamedTuple):
     end: End
 
 
-@borrowing_kernel
+@kernel
 def _guide_point(growth: Growth) -> int:
     """Index of any point of the guide, or of one about the frontier."""
     stream, last = growth.stream, growth.guide.shape[0] - 1
@@ -97,7 +97,7 @@ def _guide_point(growth: Growth) -> int:
     return int(min(last, max(0, growth.frontier[0] + ahead)))
 
 
-@borrowing_kernel
+@kernel
 def _advance(task: Task, tree: Tree, growth: Growth, node: int) -> None:
     """Move the frontier on to the farthest point of the guide that a node has come near to."""
     frontier = growth.frontier[0]
@@ -107,7 +107,7 @@ def _advance(task: Task, tree: Tree, growth: Growth, node: int) -> None:
             break
 
 
-@borrowing_kernel
+@kernel
 def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     """A point that the mass centre might be at, on a way straight to it and on that is short enough."""
     obstacles, stream, goal = task.obstacles, growth.stream, growth.surest.route
@@ -138,7 +138,7 @@ def _draw_point(task: Task, tree: Tree, growth: Growth) -> tuple[float, float]:
     return x, y
 
 
-@borrowing_kernel
+@kernel
 def _aim(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> tuple[int, int]:
     """Write the way of a family from the nearest node to a point: the node and the number of pieces, 0 without one.
 
@@ -167,7 +167,7 @@ def _aim(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> tuple[in
     return node, count
 
 
-@borrowing_kernel
+@kernel
 def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) -> tuple[float, int]:
     """Shorten pieces from a node to what is free and to a length in all; that length and what is left of the pieces."""
     x, y, tangent = tree.x[node], tree.y[node], tree.tangent[node]
@@ -188,7 +188,7 @@ def _cut(task: Task, tree: Tree, node: int, way: Way, count: int, reach: float) 
     return total, count
 
 
-@borrowing_kernel
+@kernel
 def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
     """Add a node on the way from the nearest one to a point; -1 if there is no way."""
     node, count = _aim(task, tree, growth, x, y)
@@ -207,7 +207,7 @@ def extend(task: Task, tree: Tree, growth: Growth, x: float, y: float) -> int:
     return added
 
 
-@borrowing_kernel
+@inlined
 def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
     """Bound of the cost from start to goal past a node: straight on from there."""
     goal = growth.surest.route
@@ -215,7 +215,7 @@ def least_cost(task: Task, tree: Tree, growth: Growth, node: int) -> float:
     return float(tree.cost[node] + distance * task.least_rate)
 
 
-@borrowing_kernel
+@kernel
 def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
     """Connect a node to an end exactly, if that makes a better solution: by the smallest radius and another one."""
     found = False
@@ -239,7 +239,7 @@ def shoot(task: Task, tree: Tree, growth: Growth, node: int) -> bool:
     return found
 
 
-@borrowing_kernel
+@kernel
 def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, bool]:
     """Grow the tree until there is a better solution.
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.collision import (
     HALF_DIAGONAL,
     Obstacles,
@@ -98,7 +98,7 @@ def new_way(count: int = MOST_PIECES) -> Way:
     return Way(*(np.zeros(count) for _ in range(3)))
 
 
-@borrowing_kernel
+@inlined
 def gear_of(length: float, before: int) -> int:
     """1 forwards, -1 backwards, and what it was where nothing is driven."""
     if length == 0.0:
@@ -106,7 +106,7 @@ def gear_of(length: float, before: int) -> int:
     return 1 if length > 0.0 else -1
 
 
-@borrowing_kernel
+@inlined
 def motion_in(task: Task, length: float) -> Motion:
     """Tables of the gear that a piece is driven in."""
     if length < 0.0:
@@ -114,7 +114,7 @@ def motion_in(task: Task, length: float) -> Motion:
     return task.ground.forward
 
 
-@borrowing_kernel
+@kernel
 def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
     """Cost of an arc or a straight, by the midpoint rule; infinite where a sample or an end cannot be driven."""
     if length == 0.0:
@@ -138,7 +138,7 @@ def drive_cost(task: Task, x: float, y: float, tangent: float, curvature: float,
     return float(total * abs(step))
 
 
-@borrowing_kernel
+@kernel
 def free_length(task: Task, x: float, y: float, tangent: float, curvature: float, length: float) -> float:
     """How far an arc or a straight can be driven before the footprint touches; all in between is clear.
 
@@ -184,13 +184,13 @@ def free_length(task: Task, x: float, y: float, tangent: float, curvature: float
     return total
 
 
-@borrowing_kernel
+@inlined
 def pivot_cost(task: Task, angle: float) -> float:
     """Cost of turning on the spot by an angle, which needs a stop as a change of gear does."""
     return task.gear_change + task.pivot_rate * abs(angle)
 
 
-@borrowing_kernel
+@kernel
 def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> bool:
     """Whether the body can turn on the spot by an angle without touching."""
     obstacles = task.obstacles
@@ -203,7 +203,7 @@ def pivot_is_free(task: Task, x: float, y: float, yaw: float, angle: float) -> b
     return True
 
 
-@borrowing_kernel
+@kernel
 def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way, count: int, bound: float) -> float:
     """Cost of driving some pieces, obstacles left aside; infinite where that cannot be or costs the bound or more."""
     total = 0.0
@@ -223,7 +223,7 @@ def way_cost(task: Task, x: float, y: float, tangent: float, gear: int, way: Way
     return total
 
 
-@borrowing_kernel
+@kernel
 def is_hopeless(task: Task, x: float, y: float, tangent: float, way: Way, count: int) -> bool:
     """Whether the footprint surely touches somewhere along some pieces: a coarse look, before the sweep."""
     obstacles = task.obstacles
@@ -244,7 +244,7 @@ def is_hopeless(task: Task, x: float, y: float, tangent: float, way: Way, count:
     return False
 
 
-@borrowing_kernel
+@kernel
 def way_is_free(task: Task, x: float, y: float, tangent: float, way: Way, count: int) -> bool:
     """Whether some pieces can be driven from a clear pose without touching."""
     if is_hopeless(task, x, y, tangent, way, count):

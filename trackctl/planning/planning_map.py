@@ -154,7 +154,7 @@ def collision_grid(planning_map: PlanningMap, slopes: SlopeField, *, allow_unkno
         block_polygon(blocked, frame, polygon)
     if planning_map.elevation is not None:
         along = frame.resolution * math.cos(frame.yaw), frame.resolution * math.sin(frame.yaw)
-        if not _block_unknown_ground(blocked, slopes, (frame.x, frame.y), along):
+        if not block_unknown_ground(blocked, slopes, (frame.x, frame.y), along):
             raise _no_ground(planning_map, planning_map.elevation)
     return _with_distance(blocked, frame)
 
@@ -177,7 +177,7 @@ def _with_distance(blocked: NDArray[np.bool_], frame: GridFrame) -> CollisionGri
 
 
 @kernel
-def _block_unknown_ground(
+def block_unknown_ground(
     blocked: NDArray[np.bool_], slopes: SlopeField, corner: tuple[float, float], along: tuple[float, float]
 ) -> int:
     """Block the cells at whose centre no gradient is known, in place; the number of the others comes back.

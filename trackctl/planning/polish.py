@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.connection import connect
 from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way, pivot_cost
 from trackctl.planning.pose import advanced
@@ -89,7 +89,7 @@ def new_path() -> Path:
     return Path(ways[0], x, y, tangent, gear, position, cost, count, new_end(), new_end(), *ways[1:])
 
 
-@borrowing_kernel
+@kernel
 def measure(task: Task, path: Path, start: Pose) -> float:
     """Fill in poses, positions and costs of a path's pieces; its cost."""
     path.x[0], path.y[0], path.tangent[0] = start
@@ -107,7 +107,7 @@ def measure(task: Task, path: Path, start: Pose) -> float:
     return float(path.cost[count])
 
 
-@borrowing_kernel
+@kernel
 def _piece_cost(task: Task, path: Path, i: int) -> float:
     """Cost of a piece, with that of a gear change before it."""
     length = path.pieces.length[i]
@@ -117,7 +117,7 @@ def _piece_cost(task: Task, path: Path, i: int) -> float:
     return change + drive_cost(task, path.x[i], path.y[i], path.tangent[i], path.pieces.curvature[i], length)
 
 
-@borrowing_kernel
+@kernel
 def _piece_at(path: Path, position: float) -> int:
     """The driven piece that a position lies on."""
     low, high = 0, path.piece_count[0]
@@ -130,7 +130,7 @@ def _piece_at(path: Path, position: float) -> int:
     return low
 
 
-@borrowing_kernel
+@kernel
 def _cost_at(path: Path, position: float) -> float:
     """Cost up to a position, as if all of a piece cost alike."""
     i = _piece_at(path, position)
@@ -139,13 +139,13 @@ def _cost_at(path: Path, position: float) -> float:
     return float(path.cost[i] + share * (path.cost[i + 1] - path.cost[i]))
 
 
-@borrowing_kernel
+@kernel
 def _pose_at(path: Path, piece: int, position: float) -> tuple[float, float, float]:
     length = math.copysign(position - path.position[piece], path.pieces.length[piece])
     return advanced(path.x[piece], path.y[piece], path.tangent[piece], path.pieces.curvature[piece], length)
 
 
-@borrowing_kernel
+@inlined
 def _append(way: Way, count: int, curvature: float, length: float, pivot: float) -> int:
     """Add a piece to a way, joined to the one before if it goes on alike; the number of pieces, `CAPACITY` at most."""
     if (length == 0.0 and pivot == 0.0) or count >= CAPACITY:
@@ -157,14 +157,14 @@ def _append(way: Way, count: int, curvature: float, length: float, pivot: float)
     return count + 1
 
 
-@borrowing_kernel
+@kernel
 def _append_all(way: Way, count: int, more: Way, first: int, last: int) -> int:
     for i in range(first, last):
         count = _append(way, count, more.curvature[i], more.length[i], more.pivot[i])
     return count
 
 
-@borrowing_kernel
+@kernel
 def replace_stretch(path: Path, begin: float, end: float, counts: tuple[int, int]) -> int:
     """Write the path with a stretch replaced by the first and the second way into the spare; its number of pieces."""
     i, j = _piece_at(path, begin), _piece_at(path, end)
@@ -181,7 +181,7 @@ def replace_stretch(path: Path, begin: float, end: float, counts: tuple[int, int
     return count
 
 
-@borrowing_kernel
+@kernel
 def swap(path: Path, count: int) -> None:
     """Exchange the path's pieces for the spare ones."""
     for i in range(max(count, path.piece_count[0])):
@@ -191,7 +191,7 @@ def swap(path: Path, count: int) -> None:
         path.spare.curvature[i], path.spare.length[i], path.spare.pivot[i] = curvature, length, pivot
 
 
-@borrowing_kernel
+@kernel
 def _detour(
     task: Task, path: Path, stream: Stream, begin: float, end: float, goal: Pose, radius: float, bound: float
 ) -> tuple[int, int]:
@@ -218,7 +218,7 @@ def _detour(
     return (count if more else 0), more
 
 
-@borrowing_kernel
+@kernel
 def _draw_radius(task: Task, stream: Stream) -> float:
     """The smallest turning radius, another one of the task's, or any. [m]"""
     kind = uniform(stream)
@@ -229,7 +229,7 @@ def _draw_radius(task: Task, stream: Stream) -> float:
     return float(task.radii[0] * WIDEST ** uniform(stream))
 
 
-@borrowing_kernel
+@kernel
 def _draw_goal(task: Task, target: Target, path: Path, stream: Stream, is_last: bool) -> Pose:
     """Where a stretch is to end if it is the last: the path's end, or one near it, which is written to `moved`."""
     moves = is_last and not is_exact(target) and uniform(stream) < MOVED_SHARE
@@ -238,7 +238,7 @@ def _draw_goal(task: Task, target: Target, path: Path, stream: Stream, is_last: 
     return path.moved.route[0], path.moved.route[1], path.moved.route[2]
 
 
-@borrowing_kernel
+@kernel
 def polish(task: Task, path: Path, stream: Stream, target: Target, iterations: int) -> float:
     """Try to replace random stretches of a path by cheaper ones.
 

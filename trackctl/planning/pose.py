@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 
 #: Turned by less than this, a chord's length is told by its series. [rad]
 SMALL_TURN = 1e-4
 
 
-@borrowing_kernel
+@inlined
 def wrapped(angle: float) -> float:
     """The angle's equal in [-pi, pi). [rad]"""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)
 
 
-@borrowing_kernel
+@kernel
 def advanced(x: float, y: float, tangent: float, curvature: float, length: float) -> tuple[float, float, float]:
     """Pose after an arc or a straight: a chord in the direction halfway.
 

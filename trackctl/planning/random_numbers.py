@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 
 #: State of a stream, shape (1,).
 Stream = NDArray[np.uint64]
@@ -28,7 +28,7 @@ def stream_of(seed: int) -> Stream:
     return np.random.SeedSequence(seed).generate_state(1, np.uint64).astype(np.uint64)
 
 
-@borrowing_kernel
+@inlined
 def uniform(stream: Stream) -> float:
     """Evenly distributed over [0, 1)."""
     stream[0] += STEP
@@ -39,13 +39,13 @@ def uniform(stream: Stream) -> float:
     return float(bits >> UNUSED_BITS) * ULP
 
 
-@borrowing_kernel
+@kernel
 def between(stream: Stream, low: float, high: float) -> float:
     """Evenly distributed over [low, high)."""
     return low + (high - low) * uniform(stream)
 
 
-@borrowing_kernel
+@kernel
 def normal(stream: Stream) -> float:
     """Of mean 0 and deviation 1 (Box and Muller)."""
     radius = math.sqrt(-2.0 * math.log(1.0 - uniform(stream)))

@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.pieces import Way
 from trackctl.planning.pose import wrapped
 
@@ -24,24 +24,24 @@ ROUNDING = 1e-12
 CCC, CCCC, CCSC, CSCC, CCSCC, WORD_COUNT = 8, 12, 24, 40, 56, 64
 
 
-@borrowing_kernel
+@inlined
 def _set(way: Way, i: int, sense: float, length: float) -> None:
     way.curvature[i], way.length[i], way.pivot[i] = sense, length, 0.0
 
 
-@borrowing_kernel
+@inlined
 def _sign(word: int, bit: int) -> float:
     return 1.0 if (word >> bit) & 1 else -1.0
 
 
-@borrowing_kernel
+@inlined
 def _between_centres(x: float, y: float, turn: float, first: float, last: float) -> tuple[float, float]:
     """Length and direction of the vector from the first circle's centre to the last one's."""
     across_x, across_y = x - last * math.sin(turn), y + last * math.cos(turn) - first
     return math.hypot(across_x, across_y), math.atan2(across_y, across_x)
 
 
-@borrowing_kernel
+@kernel
 def _csc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Arc, straight, arc: D = s e(h) + (last - first) n(h)."""
     first, last, forth = _sign(word, 0), _sign(word, 1), _sign(word, 2)
@@ -57,7 +57,7 @@ def _csc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return 3
 
 
-@borrowing_kernel
+@kernel
 def _ccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Three arcs: D = 4 sin(m / 2) e(h), h the heading halfway along the middle one of angle m."""
     first, forth = _sign(word, 0), _sign(word, 1)
@@ -72,7 +72,7 @@ def _ccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return 3
 
 
-@borrowing_kernel
+@kernel
 def _cccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Four arcs, the inner two of equal size u.
 
@@ -104,7 +104,7 @@ def _cccc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return 4
 
 
-@borrowing_kernel
+@kernel
 def _ccsc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Arc, quarter circle, straight, arc: D = (s + 2 sin m) e(h) - (first + last) n(h), h along the straight."""
     first, last, quarter, forth = _sign(word, 0), _sign(word, 1), QUARTER * _sign(word, 2), _sign(word, 3)
@@ -121,7 +121,7 @@ def _ccsc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return 4
 
 
-@borrowing_kernel
+@kernel
 def _ccscc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Arc, quarter circle, straight, quarter circle, arc: D = (s + 4 sin m) e(h) - 2 first n(h)."""
     first, quarter, forth = _sign(word, 0), QUARTER * _sign(word, 1), _sign(word, 2)
@@ -138,7 +138,7 @@ def _ccscc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return 5
 
 
-@borrowing_kernel
+@kernel
 def _cscc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """The form CCSC driven back from the end to the start, and that reversed."""
     cos_turn, sin_turn = math.cos(turn), math.sin(turn)
@@ -152,7 +152,7 @@ def _cscc(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return count
 
 
-@borrowing_kernel
+@kernel
 def write_word(x: float, y: float, turn: float, word: int, way: Way) -> int:
     """Write a word's pieces, curvatures and lengths for a turning radius of 1.
 
@@ -185,7 +185,7 @@ def write_word(x: float, y: float, turn: float, word: int, way: Way) -> int:
     return _ccscc(x, y, turn, word - CCSCC, way)
 
 
-@borrowing_kernel
+@kernel
 def length_and_cusps(way: Way, count: int) -> tuple[float, int]:
     """Length of some pieces, in their unit, and how often the direction changes between them."""
     length, cusps, before = 0.0, 0, 0.0
@@ -198,7 +198,7 @@ def length_and_cusps(way: Way, count: int) -> tuple[float, int]:
     return length, cusps
 
 
-@borrowing_kernel
+@kernel
 def reeds_shepp_length(x: float, y: float, turn: float, way: Way) -> float:
     """Length of the shortest word to a pose seen from the start, in turning radii; `way` is work space."""
     shortest = np.inf

@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from trackctl.compiled import compile_for
 from trackctl.planning.anytime import BATCH, Anytime
 from trackctl.planning.collision import NOWHERE, Obstacles, obstacles_of, touched_cell
 from trackctl.planning.collision_grid import CollisionGrid
@@ -22,9 +23,11 @@ from trackctl.planning.connection import ALL_WORDS
 from trackctl.planning.footprint import footprint_of
 from trackctl.planning.ground import Cost, Ground, cost_of_a_second, gear_motion, ground_of, rate_at, straight_tangent
 from trackctl.planning.pieces import Task
+from trackctl.planning.polish import new_path, polish
+from trackctl.planning.random_numbers import stream_of
 from trackctl.planning.reachability import centred_disc, disc_way
 from trackctl.planning.route import Route
-from trackctl.planning.simplification import simplified
+from trackctl.planning.simplification import simplified, simplify
 from trackctl.planning.slope_field import SlopeField, plane_slope
 from trackctl.planning.steering_limits import SteeringLimits
 from trackctl.planning.target import End, Target, is_exact, nearest_end, new_end
@@ -299,6 +302,24 @@ def empty_room() -> Problem:
     limits = SteeringLimits(np.zeros(1), np.array([-1.0, 0.0, 1.0]), np.zeros(1), ones, 0.0 * ones, ones, ones)
     triangle = np.array([[0.2, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
     return Problem(grid, plane_slope(0.0, 0.0), triangle, (5.0, 5.0, 0.0), (9.0, 9.0, 1.0), limits)
+
+
+def compile_polishing() -> None:
+    """Compile `polish`, or load it."""
+    room = empty_room()
+    compile_for(polish, task_of(room, Settings()), new_path(), stream_of(0), target_of(room), 1)
+
+
+def compile_simplification() -> None:
+    """Compile `simplify`, or load it."""
+    compile_for(simplify, task_of(empty_room(), Settings()), new_path(), np.ones(1), 1.0)
+
+
+def compile_growth() -> None:
+    """Compile what finds a first way, or load it, by crossing an empty room."""
+    found = Search(empty_room(), Settings())
+    found.follow_guide()
+    found.go_on(1, None)
 
 
 @functools.cache

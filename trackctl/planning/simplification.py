@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import kernel
 from trackctl.planning.connection import connect
 from trackctl.planning.pieces import Task
 from trackctl.planning.polish import CAPACITY, WIDEST, Path, measure, new_path, replace_stretch, swap
@@ -42,7 +42,7 @@ def simplified(task: Task, route: Route) -> tuple[Route, float]:
     return Route(route.start, *(part[:count].copy() for part in path.pieces)), float(path.cost[count])
 
 
-@borrowing_kernel
+@kernel
 def simplify(task: Task, path: Path, radii: Array, most: float) -> bool:
     """Replace runs of a measured path from its start on, the longest first, up to a cost; whether there were any."""
     first, any_replaced = 0, False
@@ -55,7 +55,7 @@ def simplify(task: Task, path: Path, radii: Array, most: float) -> bool:
     return any_replaced
 
 
-@borrowing_kernel
+@kernel
 def _shortened(task: Task, path: Path, radii: Array, first: int, run: int, most: float) -> bool:
     """Replace a run by the cheapest connection of fewer pieces, if there is one that is cheap enough."""
     last, count = first + run, path.piece_count[0]

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import kernel
 
 Array = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def plane_slope(slope: float, uphill_yaw: float) -> SlopeField:
     return SlopeField(gradient_x, gradient_y, 1.0, 1.0, 0.0, 0.0, uphill_yaw)
 
 
-@borrowing_kernel
+@kernel
 def gradient_at(slopes: SlopeField, x: float, y: float) -> tuple[float, float]:
     """Gradient of the height along the world's x and y at a point; a plane has one everywhere.
 

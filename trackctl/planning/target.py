@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import kernel
 from trackctl.planning.collision import Obstacles, is_clear
 from trackctl.planning.ground import rate_at, straight_tangent
 from trackctl.planning.pieces import Task, free_length, motion_in
@@ -71,20 +71,20 @@ def new_end(route: Pose = (0.0, 0.0, 0.0), body: Pose = (0.0, 0.0, 0.0)) -> End:
     return End(np.array(route), np.array(body))
 
 
-@borrowing_kernel
+@kernel
 def is_exact(target: Target) -> bool:
     """Whether there is but one end."""
     return target.distance <= POSITION_SLACK and target.turn <= YAW_SLACK
 
 
-@borrowing_kernel
+@kernel
 def copy_end(source: End, end: End) -> None:
     """Write one end over another."""
     for i in range(3):
         end.route[i], end.body[i] = source.route[i], source.body[i]
 
 
-@borrowing_kernel
+@kernel
 def set_end(task: Task, target: Target, x: float, y: float, yaw: float, end: End) -> bool:
     """Let a plan end at a pose of the body, if that is clear and can be driven to straight; whether it is so."""
     ground, motion, cos_yaw, sin_yaw = task.ground, motion_in(task, task.last_gear), math.cos(yaw), math.sin(yaw)
@@ -102,7 +102,7 @@ def set_end(task: Task, target: Target, x: float, y: float, yaw: float, end: End
     return free_length(task, from_x, from_y, tangent, 0.0, target.lead) >= abs(target.lead)
 
 
-@borrowing_kernel
+@kernel
 def _set_within(task: Task, target: Target, x: float, y: float, yaw: float, end: End) -> bool:
     """`set_end` at the pose within the tolerance that is nearest to one."""
     off_x, off_y, turn = x - target.x, y - target.y, wrapped(yaw - target.yaw)
@@ -112,7 +112,7 @@ def _set_within(task: Task, target: Target, x: float, y: float, yaw: float, end:
     return set_end(task, target, target.x + share * off_x, target.y + share * off_y, target.yaw + turn, end)
 
 
-@borrowing_kernel
+@kernel
 def draw_end(task: Task, target: Target, surest: End, stream: Stream, end: End) -> None:
     """Any end within the tolerance, or the surest one."""
     for _ in range(TRIES if uniform(stream) >= SUREST_SHARE else 0):
@@ -124,7 +124,7 @@ def draw_end(task: Task, target: Target, surest: End, stream: Stream, end: End) 
     copy_end(surest, end)
 
 
-@borrowing_kernel
+@kernel
 def draw_beside(task: Task, target: Target, before: End, stream: Stream, end: End) -> bool:
     """An end near another one, moved, turned or both; whether it will do."""
     spread, kind = 10.0 ** (-DECADES * uniform(stream)), 3.0 * uniform(stream)
@@ -133,7 +133,7 @@ def draw_beside(task: Task, target: Target, before: End, stream: Stream, end: En
     return _set_within(task, target, x, y, before.body[2] + turned * normal(stream), end)
 
 
-@borrowing_kernel
+@kernel
 def _first_end(task: Task, target: Target, poses: Array, end: End) -> int:
     for i in range(poses.shape[0]):
         if set_end(task, target, poses[i, 0], poses[i, 1], poses[i, 2], end):
@@ -141,7 +141,7 @@ def _first_end(task: Task, target: Target, poses: Array, end: End) -> int:
     return -1
 
 
-@borrowing_kernel
+@kernel
 def _first_clear(obstacles: Obstacles, poses: Array) -> int:
     for i in range(poses.shape[0]):
         if is_clear(obstacles, poses[i, 0], poses[i, 1], math.cos(poses[i, 2]), math.sin(poses[i, 2]), 0.0):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import borrowing_kernel
+from trackctl.compiled import kernel
 from trackctl.planning.families import distance_to_point
 from trackctl.planning.pieces import MOST_PIECES, Way, gear_of
 from trackctl.planning.pose import advanced
@@ -59,7 +59,7 @@ def new_tree(capacity: int, start: tuple[float, float, float]) -> Tree:
     return tree
 
 
-@borrowing_kernel
+@kernel
 def add_node(tree: Tree, parent: int, way: Way, count: int, cost: float) -> int:
     """Append a node at the end of some pieces; -1 if the tree is full."""
     node = int(tree.size[0])
@@ -76,7 +76,7 @@ def add_node(tree: Tree, parent: int, way: Way, count: int, cost: float) -> int:
     return node
 
 
-@borrowing_kernel
+@kernel
 def set_parent(tree: Tree, node: int, parent: int, way: Way, count: int, cost: float) -> None:
     """Let a node be reached from another by some pieces."""
     tree.parent[node], tree.piece_count[node] = parent, count
@@ -87,7 +87,7 @@ def set_parent(tree: Tree, node: int, parent: int, way: Way, count: int, cost: f
         tree.pieces.pivot[node, i] = way.pivot[i]
 
 
-@borrowing_kernel
+@kernel
 def nearest(tree: Tree, x: float, y: float, radius: float, turned: float) -> int:
     """The node from which the families lead to a point on the shortest way; -1 if from none.
 

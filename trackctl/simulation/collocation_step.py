@@ -16,7 +16,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.simulation.collocation import DERIVATIVE, INTEGRAL, NODES, STAGES, TO_CUBIC
 from trackctl.simulation.contact_memory import Entries, Memory, forget, newest, slot
 from trackctl.simulation.run_state import Run, Speeds, Steps
@@ -51,7 +51,7 @@ def set_poses(run: Run, h: float) -> None:
             run.poses[i + 1, 1] += h * INTEGRAL[i, j] * y_rate
 
 
-@kernel
+@inlined
 def set_travel(run: Run, h: float, speeds: Speeds, memory: Memory, theta: float) -> None:
     """Way travelled by the tracks at theta."""
     left = theta * speeds.left_start + 0.5 * theta * theta * (speeds.left_end - speeds.left_start)
@@ -119,7 +119,7 @@ def step_residual(
             residual[3 * i + k] = run.stage_rate[k] - run.force_rate[k]
 
 
-@kernel
+@inlined
 def smooth_time(scene: Scene, run: Run, h: float) -> float:
     """Length of a step whose positions would err by `ROUGHNESS`: how quickly the motion changes. [s]
 

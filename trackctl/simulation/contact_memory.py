@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 
 #: Length of a stretch of memory that is integrated in one, over the least span of its pieces.
 PIECES_TOGETHER = 8.0
@@ -43,7 +43,7 @@ Memory = Any
 Entries = Any
 
 
-@kernel
+@inlined
 def slot(memory: Memory, entries: Entries, index: int) -> int:
     """Place in the ring of a piece, counted from the rear."""
     return int((memory.first + index) & (entries.size - 1))
@@ -58,7 +58,7 @@ def push(memory: Memory, entries: Entries, side: float) -> int:
     return slot(memory, entries, newest(memory, side))
 
 
-@kernel
+@inlined
 def withdraw(memory: Memory, side: float) -> None:
     """Take back what `push` made room for."""
     if side < 0.0:
@@ -66,13 +66,13 @@ def withdraw(memory: Memory, side: float) -> None:
     memory.count -= 1
 
 
-@kernel
+@inlined
 def newest(memory: Memory, side: float) -> int:
     """Index of the piece next to the front (side 1) or rear (-1)."""
     return int(memory.count - 1) if side > 0.0 else 0
 
 
-@kernel
+@inlined
 def oldest(memory: Memory, side: float) -> int:
     """Index of the piece farthest from the front (side 1) or rear (-1)."""
     return 0 if side > 0.0 else int(memory.count - 1)

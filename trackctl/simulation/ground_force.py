@@ -9,7 +9,7 @@ import numpy as np
 from numba import carray, types  # type: ignore[attr-defined]
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel, linked
+from trackctl.compiled import call_by_address, inlined, kernel, procedure
 from trackctl.mechanics.contact import Contact, contact
 from trackctl.mechanics.elementary_functions import decay
 from trackctl.mechanics.equilibrium import split
@@ -21,6 +21,12 @@ from trackctl.simulation.shoe_displacement import Frame, Track, displacements
 
 Array = NDArray[np.float64]
 DOUBLES = types.CPointer(types.float64)
+#: Type of `track_force_there`; whole numbers are the count of nodes, whether to remember, that of entries, the track.
+TRACK_FORCE = types.void(
+    *(DOUBLES, DOUBLES, DOUBLES, types.int64, types.int64),
+    *(types.voidptr, types.voidptr, types.int64, types.int64, DOUBLES),
+)
+call_track_force = call_by_address(TRACK_FORCE)
 #: Fields of model, motion and frame, load and pressure centre.
 NUMBERS = len(TrackModel._fields) + len(TrackMotion._fields) + len(Frame._fields) + 2
 
@@ -43,7 +49,7 @@ class Force(NamedTuple):
     moment: float
 
 
-@kernel
+@inlined
 def mirrored(motion: TrackMotion, ground: Contact) -> tuple[TrackMotion, Contact]:
     """The same track with front and rear exchanged."""
     return (
@@ -211,7 +217,7 @@ def track_force(
 def pack(
     numbers: Array, model: TrackModel, load: float, pressure_centre: float, motion: TrackMotion, frame: Frame
 ) -> None:
-    """Write down what `linked_track_force` needs to know."""
+    """Write down what `track_force_there` needs to know."""
     numbers[0], numbers[1] = load, pressure_centre
     for i, value in enumerate(model):
         numbers[2 + i] = value
@@ -221,21 +227,8 @@ def pack(
         numbers[18 + i] = value
 
 
-@linked(
-    types.void(
-        DOUBLES,
-        DOUBLES,
-        DOUBLES,
-        types.int64,
-        types.boolean,
-        types.voidptr,
-        types.voidptr,
-        types.int64,
-        types.int64,
-        DOUBLES,
-    )
-)
-def linked_track_force(  # type: ignore[no-untyped-def]
+@procedure(TRACK_FORCE)
+def track_force_there(  # type: ignore[no-untyped-def]
     numbers, nodes, weights, node_count, remember, memory, entries, entry_count, track, result
 ):
     """`track_force` by address: forward, left and moment of one of the two tracks, from what `pack` has written."""
@@ -245,6 +238,6 @@ def linked_track_force(  # type: ignore[no-untyped-def]
     frame = Frame(n[18], n[19], n[20], n[21])
     rule = GradedRule(carray(nodes, node_count), carray(weights, node_count))
     memories, rings = carray(memory, 2, MEMORY), carray(entries, (2, entry_count), ENTRY)
-    force = track_force(model, n[0], n[1], motion, rule, remember, frame, memories[track], rings[track])
+    force = track_force(model, n[0], n[1], motion, rule, remember != 0, frame, memories[track], rings[track])
     found = carray(result, 3)
     found[0], found[1], found[2] = force.forward, force.left, force.moment

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.simulation.collocation_step import accept
 from trackctl.simulation.contact_memory import Entries, Memory, push, withdraw
 from trackctl.simulation.newton import try_step, unit
@@ -45,7 +45,7 @@ def settle(scene: Scene, run: Run, left: float, right: float, memory: Memory, en
             return
 
 
-@kernel
+@inlined
 def goes_on(before: float, after: float) -> bool:
     """Whether a track speed has not jumped, nor turned round."""
     return bool(abs(after - before) <= SAME_SPEED * max(abs(before), abs(after)) and before * after >= 0.0)
@@ -89,7 +89,7 @@ def limit_reached(scene: Scene, run: Run, memory: Memory, entries: Entries) -> i
     return limit_at(scene, run)
 
 
-@kernel
+@inlined
 def next_length(run: Run, h: float, error: float) -> float:
     """Length of the next step, or of the next try.
 
@@ -105,7 +105,7 @@ def next_length(run: Run, h: float, error: float) -> float:
     return h if 1.0 <= factor <= LEAST_GROWTH else factor * h
 
 
-@kernel
+@inlined
 def speeds_between(piece: Pieces, start: float, end: float) -> Speeds:
     """Track speeds at two times of a piece."""
     a, b = (start - piece.start) / (piece.end - piece.start), (end - piece.start) / (piece.end - piece.start)
@@ -117,7 +117,7 @@ def speeds_between(piece: Pieces, start: float, end: float) -> Speeds:
     )
 
 
-@kernel
+@inlined
 def length_to_try(wanted: float, left: float) -> float:
     """Length of a step where so much of the piece is left: the end is met by even steps."""
     if wanted >= left * (1.0 - 1e-9):

@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import compile_for, kernel
+from trackctl.mechanics.parameters import TrackModel
 from trackctl.mechanics.slip import slip
 from trackctl.simulation import integrator
 from trackctl.simulation.collocation import NODES, TO_CUBIC
 from trackctl.simulation.contact_memory import ENTRY, MEMORY
+from trackctl.simulation.graded_quadrature import FEW_NODES, graded_rule
+from trackctl.simulation.ground_force import track_force_there
 from trackctl.simulation.integrator import advance
 from trackctl.simulation.run_state import RUN, STEP, Pieces, Settings, Steps
 from trackctl.simulation.slopes import Slopes
@@ -182,7 +185,7 @@ def integration(scene: Scene, start: State, time: float, speeds: tuple[float, fl
             pieces = steady(scene, start, track, speeds[track])
         entries[track, : pieces.size] = pieces
         memory["count"][track] = pieces.size
-    return Integration(scene, run, memory, entries)
+    return Integration(scene._replace(track_force=track_force_there.address), run, memory, entries)
 
 
 def put_down(scene: Scene, start: State, track: int) -> NDArray[np.void]:
@@ -286,7 +289,7 @@ def sample(simulation: Integration, mass: float, time: Array, ground: Slopes | N
     theta = (time - step["time"]) / step["length"]
     powers = theta[:, None] ** np.arange(4)
     slopes = np.arange(4) * theta[:, None] ** np.maximum(np.arange(4) - 1, 0) / step["length"][:, None]
-    pose = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, step["pose"])
+    pose = np.ascontiguousarray(np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, step["pose"]))
     velocity = np.einsum("ni,ij,njk->kn", powers, TO_CUBIC, step["velocity"])
     rate = np.einsum("ni,ij,njk->kn", slopes, TO_CUBIC, step["velocity"])
     left, right = (step[side][:, 0] + theta * (step[side][:, 1] - step[side][:, 0]) for side in ("left", "right"))
@@ -297,8 +300,9 @@ def sample(simulation: Integration, mass: float, time: Array, ground: Slopes | N
         loads_along(scene, pose[2], ahead, across, load)
     else:
         for i, at in enumerate(time.tolist()):
-            one = slice(i, i + 1)
-            loads_along(ground.scene_at(scene, at), pose[2, one], ahead[one], across[one], load[:, one])
+            one, each = slice(i, i + 1), np.empty((2, 1))
+            loads_along(ground.scene_at(scene, at), pose[2, one], ahead[one], across[one], each)
+            load[:, one] = each
     load *= mass * scene.model.gravity
     return Motion(
         time,
@@ -323,3 +327,13 @@ def loads_along(scene: Scene, yaw: Array, forward_acceleration: Array, left_acce
     for i in range(yaw.size):
         weighing = track_loads(scene, yaw[i], forward_acceleration[i], left_acceleration[i])
         result[0, i], result[1, i] = weighing.left, weighing.right
+
+
+def compile_simulation(model: TrackModel) -> None:
+    """Compile what a simulation takes, but for the forces on the tracks, or load it."""
+    motionless = Scene(model, 1.0, 0.0, 0.0, graded_rule(), graded_rule(FEW_NODES), True)
+    run, memory, entries = np.zeros(1, RUN), np.zeros(2, MEMORY), np.zeros((2, FIRST_RING), ENTRY)
+    speed = np.array([0.0, 1.0])
+    pieces, settings = speed_pieces(TrackSpeeds(speed, speed, speed)), Settings(1.0, math.inf, math.inf)
+    compile_for(advance, motionless, run, pieces, settings, memory, entries, np.zeros(1, STEP), 0)
+    compile_for(loads_along, motionless, speed, speed, speed, np.empty((2, 2)))

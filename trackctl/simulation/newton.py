@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.simulation.collocation import (
     DERIVATIVE,
     ERROR_WEIGHTS,
@@ -54,7 +54,7 @@ def speed_scale(scene: Scene, run: Run, speeds: Speeds) -> float:
     return scale
 
 
-@kernel
+@inlined
 def unit(scene: Scene, component: int) -> float:
     """What turns a velocity component into a speed: 1, 1 and half the contact length."""
     return 0.5 * scene.model.length if component == 2 else 1.0

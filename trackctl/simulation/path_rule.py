@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from trackctl.compiled import kernel
+from trackctl.compiled import compile_for, kernel
 from trackctl.lut.point import solve_points
 from trackctl.lut.table import Status
 from trackctl.mechanics.limits import FASTEST_TRACK, LARGEST_SIDESLIP, SLOWEST_TRACK
@@ -264,6 +264,13 @@ def path_commands(scene: Scene, path: Path, ground: Ground | None = None) -> Pat
             motions[:, 4] = scene.gyration_square * turning / (model.gravity * model.length)
         solve_along(model, motions, rules(), np.zeros(1, workspace(3)), unknowns, *balance)
     return commands_of(scene, fine, inner, unknowns.T, gradient, balance)
+
+
+def compile_path_rule(model: TrackModel) -> None:
+    """Compile what solves a path's track speeds, or load it."""
+    motions, unknowns = np.zeros((1, len(PrescribedMotion._fields))), np.zeros((1, 3))
+    balance = Balance(np.empty((1, 2)), np.empty(1))
+    compile_for(solve_along, model, motions, rules(), np.zeros(1, workspace(3)), unknowns, *balance)
 
 
 def naive_commands(scene: Scene, path: Path) -> PathCommands:

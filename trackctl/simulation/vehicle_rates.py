@@ -17,7 +17,7 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.contact_memory import Entries, Memory
 from trackctl.simulation.graded_quadrature import FEW_NODES, GradedRule, graded_rule
-from trackctl.simulation.ground_force import NUMBERS, linked_track_force, pack
+from trackctl.simulation.ground_force import NUMBERS, call_track_force, pack
 from trackctl.simulation.shoe_displacement import Frame
 
 Array = NDArray[np.float64]
@@ -40,6 +40,8 @@ class Scene(NamedTuple):
         Quadrature along the tracks, of forces and of what needs them roughly.
     remember
         Whether each shoe's point of entry is kept; else the present motion is taken to have lasted since.
+    track_force
+        Address of `track_force_there`, which a simulation fills in.
     """
 
     model: TrackModel
@@ -49,6 +51,7 @@ class Scene(NamedTuple):
     rule: GradedRule
     rough_rule: GradedRule
     remember: bool
+    track_force: int = 0
 
 
 def scene(
@@ -77,6 +80,7 @@ def roughly(scene: Scene) -> Scene:
         scene.rough_rule,
         scene.rough_rule,
         scene.remember,
+        scene.track_force,
     )
 
 
@@ -150,12 +154,13 @@ def vehicle_rates(
         )
         load = weighing.left if track == 0 else weighing.right
         pack(numbers, model, load, weighing.pressure_centre, motion, frame)
-        linked_track_force(
+        call_track_force(
+            scene.track_force,
             numbers.ctypes,
             scene.rule.nodes.ctypes,
             scene.rule.weights.ctypes,
             scene.rule.nodes.size,
-            scene.remember,
+            int(scene.remember),
             memory.ctypes,
             entries.ctypes,
             entries.shape[1],

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.solvers.elimination import eliminate
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def predict(line: Curve, step: float) -> None:
         line.point[i] = line.predicted[i]
 
 
-@kernel
+@inlined
 def way_to_go(line: Curve) -> float:
     """Length along the tangent to where the parameter is 1."""
     n = line.point.size - 1
@@ -141,7 +141,7 @@ def step_back(line: Curve) -> None:
         line.point[i] = line.before[i]
 
 
-@kernel
+@inlined
 def has_folded(line: Curve) -> bool:
     """Whether the parameter no longer grows along the curve."""
     return bool(line.tangent[line.tangent.size - 1] <= 0.0)

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.solvers.elimination import eliminate
 from trackctl.solvers.workspace import Workspace
 
@@ -126,7 +126,7 @@ def judge(x: Array, damping: float, work: Workspace) -> float:
     return more_damping(damping)
 
 
-@kernel
+@inlined
 def more_damping(damping: float) -> float:
     """Damping after a failed step."""
     return max(DAMPING_FACTOR * damping, FIRST_DAMPING)

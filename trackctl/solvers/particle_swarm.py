@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.solvers.random_stream import Stream, uniform
 
 Array = NDArray[np.float64]
@@ -117,7 +117,7 @@ def record(flock: Swarm, particle: int, cost: float, leader: int) -> int:
     return leader
 
 
-@kernel
+@inlined
 def inertia_at(settings: Settings, iteration: int) -> float:
     """Inertia of a move, falling linearly over the iterations."""
     share = iteration / max(settings.iterations - 1, 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 
 Stream = NDArray[np.uint64]
 
@@ -20,7 +20,7 @@ def stream(seed: int, index: int) -> Stream:
     return state
 
 
-@kernel
+@inlined
 def next_bits(state: Stream) -> np.uint64:
     """Next 64 random bits (splitmix64: Steele, Lea, Flood 2014, doi 10.1145/2660193.2660195)."""
     state[0] += np.uint64(0x9E3779B97F4A7C15)
