@@ -1,23 +1,89 @@
-from trackctl import compiled
-from trackctl.cli.first_run import announce_compilation
+"""What a first run says, and that later runs compile nothing."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from trackctl.cli import first_run
+from trackctl.cli.app import app
+from trackctl.compiled import kernel_folder
+from trackctl.workflows import warm_up
+from trackctl.workflows.warm_up import TASKS
 
 
-def test_only_the_first_run_is_announced(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(compiled, "kernel_folder", lambda: tmp_path)
-    announce_compilation(quiet=True)
+@pytest.fixture
+def compiled(monkeypatch, tmp_path):
+    """Nothing is compiled yet; the pieces that would be."""
+    names = []
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(warm_up, "warm_up", lambda wanted, progress: names.extend(wanted))
+    return names
+
+
+def test_only_the_first_run_is_announced(compiled, monkeypatch, capsys):
+    first_run.compile_first(False, "look up")
+    assert capsys.readouterr().err.startswith("compiling kernels, once; this takes about ")
+    assert compiled == ["interpolation"]
+    first_run.compile_first(True, "look up")
     assert capsys.readouterr().err == ""
-    announce_compilation(quiet=False)
-    assert "compiling kernels, once" in capsys.readouterr().err
-    (tmp_path / "kernel.nbc").touch()
-    announce_compilation(quiet=False)
+    monkeypatch.setattr(warm_up, "missing", lambda tasks: [])
+    first_run.compile_first(False, "look up")
     assert capsys.readouterr() == ("", "")
 
 
-def test_the_first_run_of_a_kernel_is_announced(tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(compiled, "kernel_folder", lambda: tmp_path)
-    (tmp_path / "polish.measure-1.py311.1.nbc").touch()
-    announce_compilation(quiet=False, kernel="polish.polish")
-    assert "compiling kernels, once" in capsys.readouterr().err
-    (tmp_path / "polish.polish-2.py311.1.nbc").touch()
-    announce_compilation(quiet=False, kernel="polish.polish")
-    assert capsys.readouterr() == ("", "")
+def test_a_dry_run_compiles_nothing_and_gives_a_bound(compiled, tmp_path):
+    result = CliRunner().invoke(app, ["compute-lut", "--dry-run", "--budget", "50000"])
+    assert result.exit_code == 0
+    assert result.stdout.startswith("at most 50000 cells, 3.2 MB, about ")
+    assert "warm-up" in result.stderr
+    assert compiled == []
+    assert not list(tmp_path.rglob("*.nbc"))
+
+
+def test_a_dry_run_with_steps_counts_the_cells(compiled):
+    steps = ["--steps", "velocity=.5,radius=1,heading=30", "--velocity-mps", "1:2", "--radius-m", "5:10"]
+    result = CliRunner().invoke(app, ["compute-lut", "--dry-run", *steps])
+    assert result.exit_code == 0
+    assert result.stdout.startswith("252 cells, ")
+    assert compiled == []
+
+
+COMMANDS = {
+    "compile a table": "compute-lut --budget 2000 --slope-deg 5 -o lut.h5",
+    "look up": "lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90",
+    "solve points": "lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90 --method exact",
+    "solve columns": "sweep --slope-deg 5 --velocity-mps 1 --radius-m 5 --heading-deg 0:300:60",
+    "indices": "sensitivity --samples 200 --resamples 10",
+    "plan": "plan map.yaml --iterations 200 -o plan.csv",
+    "simulate": "simulate plan.csv -o motion.csv",
+    "filter a log": "identify log.csv --save slip.yaml -o updates.csv",
+    "calibrate": "calibrate log.csv -o terrain.yaml",
+}
+MAP = (
+    "bounds_m: [0, 0, 10, 10]\nobstacles:\n  circles: [[5, 5, 1]]\nslope_deg: 5\nstart: [1, 1, 45]\ngoal: [9, 9, 45]\n"
+)
+
+
+def run(words, folder):
+    command = [sys.executable, "-m", "trackctl", *words.split()]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, env=os.environ)
+
+
+def test_after_a_warm_up_no_command_compiles(tmp_path):
+    assert set(COMMANDS) == set(TASKS)
+    result = run("warm-up --json", tmp_path)
+    assert result.returncode == 0, result.stderr
+    before = set(kernel_folder().rglob("*.nbc"))
+    (tmp_path / "map.yaml").write_text(MAP, encoding="utf-8")
+    for task, words in COMMANDS.items():
+        if task == "filter a log":
+            turns = "simulate --track-speeds-mps 0.4,0.6 --duration-s 20 --slope-deg 0 -o log.csv"
+            assert run(turns, tmp_path).returncode == 0
+        result = run(words, tmp_path)
+        assert result.returncode in (0, 1), (words, result.stderr)
+        assert "compiling" not in result.stderr
+        added = set(kernel_folder().rglob("*.nbc")) - before
+        assert not added, words

@@ -9,6 +9,7 @@ from trackctl.errors import LutMismatchError, NoAnswerError, UsageError
 from trackctl.files.lut_writer import write_lut
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.geometry.circle import Circle
+from trackctl.lut.sweep import Seeding
 from trackctl.planning.blending import Line
 from trackctl.planning.elevation import Elevation
 from trackctl.planning.planning_map import PlanningMap
@@ -280,10 +281,10 @@ def test_what_a_table_compiles_is_not_compiled_in_its_threads(monkeypatch, tmp_p
     told = []
     crew = plan_table.threads
     monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
-    monkeypatch.setattr(plan_table, "make_ready", told.append)
+    monkeypatch.setattr(plan_table, "load_kernels", told.append)
     monkeypatch.setattr(plan_table, "threads", lambda jobs: told.append("threads") or crew(jobs))
     nodes = np.array([0.1])
     plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
-    assert told == ["column", "threads"]
+    assert told == [Seeding.CONTINUATION, "threads"]
     plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
     assert len(told) == 2

@@ -1,67 +1,128 @@
-"""The process that compiles ahead of a first run."""
+"""Kernels compiled before they are needed, side by side."""
 
-import os
 import subprocess
+import sys
 
 import pytest
 
-from trackctl import compiled
-from trackctl.compiled import kernels_are_compiled
-from trackctl.workflows import compile_ahead
-from trackctl.workflows.compile_ahead import TASKS, compiling_ahead, make_ready
+from trackctl.workflows import warm_up
+from trackctl.workflows.warm_up import PIECES, TASKS, Piece, estimate, missing
+
+SMALL = {"first": 3.0, "second": 2.0, "third": 1.0}
 
 
-def with_cores(monkeypatch, count, is_compiled=False):
-    monkeypatch.setattr(compile_ahead, "kernels_are_compiled", lambda kernel: is_compiled)
-    monkeypatch.setattr(os, "cpu_count", lambda: count)
+@pytest.fixture
+def small(monkeypatch, tmp_path):
+    """Three pieces that compile nothing, and what is compiled in this process."""
+    compiled = []
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "cache"))
+    pieces = {name: Piece(lambda name=name: compiled.append(name), seconds) for name, seconds in SMALL.items()}
+    monkeypatch.setattr(warm_up, "PIECES", pieces)
+    monkeypatch.setattr(warm_up, "TASKS", {"all": tuple(SMALL), "some": ("third", "first")})
+    return compiled
 
 
-@pytest.mark.parametrize("task", TASKS)
-def test_another_process_does_all_that_it_is_for(monkeypatch, task):
-    with_cores(monkeypatch, 2)
-    with compiling_ahead(task) as wait:
-        assert wait(task) == 0
-    assert kernels_are_compiled(TASKS[task][1])
+def with_cores(monkeypatch, count):
+    monkeypatch.setattr(warm_up, "cores", lambda: count)
 
 
-def test_what_has_been_compiled_is_not_used_again(monkeypatch):
-    used = []
-    monkeypatch.setitem(TASKS, "search", (lambda: used.append("search"), "simplification.simplify"))
-    for is_compiled in (True, False):
-        with_cores(monkeypatch, 2, is_compiled)
-        make_ready("search")
-    assert used == ["search"]
+def with_workers(monkeypatch, code):
+    """Let other processes run some code in place of theirs."""
+    popen = subprocess.Popen
+
+    def started(command, **pipes):
+        return popen([sys.executable, "-c", code], **pipes)
+
+    monkeypatch.setattr(warm_up.subprocess, "Popen", started)
 
 
-def test_the_other_processes_end_with_the_block(monkeypatch):
-    started = []
-
-    class Noted(subprocess.Popen):
-        def __init__(self, *arguments, **options):
-            super().__init__(*arguments, **options)
-            started.append(self)
-
-    with_cores(monkeypatch, 2)
-    monkeypatch.setattr(subprocess, "Popen", Noted)
-    with compiling_ahead("search", "simulation"):
-        pass
-    assert len(started) == 2
-    assert all(each.returncode is not None for each in started)
+ECHO = "import sys\nfor line in sys.stdin: print(line.strip(), flush=True)"
+FAIL_AT_SECOND = """
+import sys
+for line in sys.stdin:
+    if line == "second\\n": sys.exit(1)
+    print(line.strip(), flush=True)
+"""
 
 
-def test_there_is_no_other_process_where_it_would_not_help(monkeypatch):
-    with_cores(monkeypatch, 2, is_compiled=True)
-    with compiling_ahead("search") as wait:
-        assert wait("search") is None
+def test_every_task_is_made_of_pieces():
+    assert {name for names in TASKS.values() for name in names} == set(PIECES)
+
+
+def test_on_one_core_pieces_are_compiled_here_once(small, monkeypatch):
     with_cores(monkeypatch, 1)
-    with compiling_ahead("search") as wait:
-        assert wait("search") is None
+    assert missing(["some"]) == ["first", "third"]
+    warm_up.warm_up(missing(["some"]))
+    assert small == ["first", "third"]
+    assert missing(["all"]) == ["second"]
 
 
-def test_there_is_no_other_process_where_nothing_can_be_kept(monkeypatch, tmp_path):
+def test_on_several_cores_other_processes_compile_them(small, monkeypatch):
     with_cores(monkeypatch, 2)
+    with_workers(monkeypatch, ECHO)
+    told = []
+    warm_up.warm_up(missing(["all"]), lambda done, total: told.append((done, total)))
+    assert small == []
+    assert told[0] == (0, 100)
+    assert told[-1] == (100, 100)
+    assert told == sorted(told)
+    assert len(told) == 4
+
+
+def test_what_another_process_fails_at_is_compiled_here(small, monkeypatch):
+    with_cores(monkeypatch, 2)
+    with_workers(monkeypatch, FAIL_AT_SECOND)
+    warm_up.warm_up(missing(["all"]))
+    assert "second" in small
+
+
+def test_processes_that_cannot_run_leave_all_to_this_one(small, monkeypatch):
+    with_cores(monkeypatch, 2)
+    with_workers(monkeypatch, "")
+    warm_up.warm_up(missing(["all"]))
+    assert small == list(SMALL)
+
+
+def test_where_nothing_can_be_kept_all_is_compiled_here(small, monkeypatch, tmp_path):
     (tmp_path / "file").touch()
-    monkeypatch.setattr(compiled, "kernel_folder", lambda: tmp_path / "file" / "kernels")
-    monkeypatch.setattr(compile_ahead, "other_process", None)
-    with compiling_ahead("search") as wait:
-        assert wait("search") is None
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    with_cores(monkeypatch, 2)
+    monkeypatch.setattr(warm_up.subprocess, "Popen", None)
+    assert estimate(missing(["all"])) == 6.0
+    warm_up.warm_up(missing(["all"]))
+    assert small == list(SMALL)
+    assert missing(["all"]) == list(SMALL)
+
+
+def test_the_estimate_counts_on_all_cores(small, monkeypatch):
+    with_cores(monkeypatch, 2)
+    assert estimate(missing(["all"])) == 3.0
+    assert estimate(["third"]) == 1.0
+
+
+def test_an_interrupt_ends_the_other_processes(small, monkeypatch):
+    with_cores(monkeypatch, 2)
+    with_workers(monkeypatch, "import time; time.sleep(600)")
+    started = []
+    popen = warm_up.subprocess.Popen
+
+    def noted(command, **pipes):
+        started.append(popen(command, **pipes))
+        if len(started) == 2:
+            raise KeyboardInterrupt
+        return started[-1]
+
+    monkeypatch.setattr(warm_up.subprocess, "Popen", noted)
+    with pytest.raises(KeyboardInterrupt):
+        warm_up.warm_up(missing(["all"]))
+    assert started[0].wait() != 0
+    started[1].kill()
+    started[1].communicate()
+
+
+def test_the_other_process_names_what_it_has_compiled(monkeypatch, tmp_path):
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
+    command = [sys.executable, "-m", "trackctl.workflows.warm_up"]
+    run = subprocess.run(command, input="sensitivity\n", capture_output=True, text=True)
+    assert run.stdout == "sensitivity\n"
+    assert missing(["indices"]) == [name for name in PIECES if name in TASKS["indices"] and name != "sensitivity"]

@@ -31,6 +31,7 @@ from trackctl.cli.registration import add_command, help_texts
 from trackctl.cli.sensitivity import sensitivity
 from trackctl.cli.simulate import simulate
 from trackctl.cli.sweep import sweep
+from trackctl.cli.warm_up import warm_up
 from trackctl.errors import NoAnswerError, TrackctlError
 
 NO_ANSWER = 1
@@ -52,6 +53,7 @@ COMMANDS: tuple[Callable[..., None], ...] = (
     calibrate,
     plot,
     export,
+    warm_up,
 )
 #: Groups of commands, by name.
 GROUPS = {"profiles": profiles.app}

@@ -9,7 +9,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import STDOUT, CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.identify import Log, log_or_stdin
 from trackctl.cli.progress import say
 
@@ -39,7 +39,7 @@ def calibrate(
 
     CsvOutput(output, force, as_json).check()
     request = CalibrateRequest(log_or_stdin(log), load_vehicle(vehicle), load_terrain(terrain), gravity_mps2)
-    announce_compilation(quiet)
+    compile_first(quiet, "calibrate")
     result = fit(request)
     text = calibrated_terrain(request, result)
     if output is not None and str(output) != STDOUT:

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from trackctl.cli import options
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import bar, say
 from trackctl.cli.ranges import given_ranges, list_of, named_numbers
-from trackctl.cli.table_report import tell_estimate, tell_shrunk, tell_steps, tell_summary
+from trackctl.cli.table_report import tell_bound, tell_estimate, tell_shrunk, tell_steps, tell_summary
 from trackctl.errors import UsageError
 from trackctl.workflows.step_budgets import DEFAULT_BUDGET, LARGEST_REFINED
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from trackctl.workflows.table_steps import ChosenSteps
 
 STEP_NAMES = ("velocity", "radius", "heading")
+#: What the command does, to `trackctl.workflows.warm_up`.
+COMPILING = "compile a table"
 
 
 class SeedingChoice(StrEnum):
@@ -36,7 +38,6 @@ class SeedingChoice(StrEnum):
 
 
 def compute_lut(
-    context: typer.Context,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The table, HDF5 and netCDF4.")] = Path(
         "lut.h5"
     ),
@@ -101,10 +102,6 @@ def compute_lut(
     Example:
       trackctl compute-lut --vehicle m113 --terrain hard-soil --slope-deg 0:12:4 -o m113.h5
     """
-    announce_compilation(quiet)
-    from trackctl.workflows.compile_ahead import compiling_ahead, make_ready
-
-    wait_for_kernels = context.with_resource(compiling_ahead("table"))
     import numpy as np
 
     from trackctl.files.atomic import check_output
@@ -115,6 +112,7 @@ def compute_lut(
     from trackctl.workflows.provenance import provenance
     from trackctl.workflows.sensitivity import ranges_within
     from trackctl.workflows.table_request import new_request
+    from trackctl.workflows.warm_up import missing
 
     started = time.perf_counter()
     refuse_contradictions(steps, budget, tolerance)
@@ -126,6 +124,10 @@ def compute_lut(
     if not dry_run:
         refuse_streams(output)
         check_output(output, force)
+        compile_first(quiet, COMPILING)
+    elif missing((COMPILING,)):
+        tell_most(blank, steps, budget, tolerance, jobs, quiet, as_json)
+        return
     with workers_of(None if dry_run else scheduler, lambda text: say(text, quiet)) as crew:
         chosen = choose_steps(blank, steps, budget, tolerance, jobs, quiet)
         request = blank.divided(chosen.divisions)
@@ -133,8 +135,6 @@ def compute_lut(
         if dry_run:
             tell_estimate(request, chosen, jobs, as_json)
             return
-        wait_for_kernels("table")
-        make_ready("column")
         with checkpoint_told(output), bar("solving", "column", quiet) as progress:
             summary = compile_table(
                 request, chosen, output, made, jobs=jobs, resume=resume, force=force, progress=progress, crew=crew
@@ -150,6 +150,32 @@ def refuse_contradictions(steps: str | None, budget: int | None, tolerance: floa
         raise UsageError("--tolerance", f"{tolerance:g}", "a percentage above 0, below 100")
 
 
+def tell_most(
+    blank: TableRequest,
+    steps: str | None,
+    budget: int | None,
+    tolerance: float | None,
+    jobs: int,
+    quiet: bool,
+    as_json: bool,
+) -> None:
+    """Print what is known of a table's cost while nothing is compiled: with a budget, no more than its bound."""
+    chosen = choose_steps(blank, steps, budget, tolerance, jobs, quiet) if steps is not None else None
+    if chosen is not None:
+        cells = blank.divided(chosen.divisions).axes.size
+    else:
+        cells = most_cells(budget, tolerance)
+        say("steps are drawn once kernels are compiled, which `trackctl warm-up` does beforehand", quiet)
+    tell_bound(cells, chosen, jobs, as_json)
+
+
+def most_cells(budget: int | None, tolerance: float | None) -> int:
+    """Most cells that a table may have."""
+    if budget is not None:
+        return budget
+    return DEFAULT_BUDGET if tolerance is None else LARGEST_REFINED
+
+
 def choose_steps(
     blank: TableRequest, steps: str | None, budget: int | None, tolerance: float | None, jobs: int, quiet: bool
 ) -> ChosenSteps:
@@ -163,8 +189,8 @@ def choose_steps(
         tell_shrunk(chosen, step, quiet)
         return chosen
     if tolerance is None:
-        return steps_within(blank, DEFAULT_BUDGET if budget is None else budget, jobs)
-    most = LARGEST_REFINED if budget is None else budget
+        return steps_within(blank, most_cells(budget, tolerance), jobs)
+    most = most_cells(budget, tolerance)
     return steps_to_tolerance(blank, tolerance / 100.0, most, jobs, lambda text: say(text, quiet))
 
 

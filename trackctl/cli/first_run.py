@@ -1,16 +1,16 @@
-"""A word before the wait that only the first run has."""
+"""The wait that only the first run has: said beforehand, with a bar."""
 
 from __future__ import annotations
 
-from trackctl.cli.progress import say
+from trackctl.cli.progress import bar, say
 
 
-def announce_compilation(quiet: bool, kernel: str = "") -> None:
-    """Say on standard error that kernels are to be compiled, if they are, or if a certain one is.
+def compile_first(quiet: bool, *tasks: str) -> None:
+    """Compile what tasks of `trackctl.workflows.warm_up` need and no earlier run has compiled."""
+    from trackctl.workflows.warm_up import estimate, missing, warm_up
 
-    Importing a solver begins with it.
-    """
-    from trackctl.compiled import kernels_are_compiled
-
-    if not kernels_are_compiled(kernel):
-        say("compiling kernels, once; this takes up to a minute", quiet)
+    names = missing(tasks)
+    if names:
+        say(f"compiling kernels, once; this takes about {estimate(names):.0f} s", quiet)
+        with bar("compiling", "%", quiet) as progress:
+            warm_up(names, progress)

@@ -12,7 +12,7 @@ import typer
 from trackctl.cli import options
 from trackctl.cli.csv_output import STDOUT, CsvOutput
 from trackctl.cli.csv_stream import csv_stream
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import say
 from trackctl.errors import UsageError
 from trackctl.workflows.slip_choices import FilterKind, SlipModel
@@ -85,7 +85,7 @@ def identify(
     request = IdentifyRequest(
         log_or_stdin(log), load_vehicle(vehicle), model, kind, window_s, horizon_s, save is not None
     )
-    announce_compilation(quiet)
+    compile_first(quiet, "filter a log")
     with csv_stream(destination) as emit:
         result = learn(request, emit)
     if save is not None:

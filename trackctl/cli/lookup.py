@@ -11,7 +11,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import bar, say
 from trackctl.errors import NoAnswerError, UsageError
 from trackctl.units import accepted_keys
@@ -90,7 +90,6 @@ def lookup(
     Example:
       trackctl lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90
     """
-    announce_compilation(quiet)
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
     from trackctl.workflows.lookup import LookupRequest, answer_columns, status_counts
     from trackctl.workflows.lookup import lookup as look_up
@@ -111,6 +110,7 @@ def lookup(
         gravity_mps2,
         jobs,
     )
+    compile_first(quiet, "solve points" if method is LookupMethod.EXACT else "look up")
     with bar("looking up", "row", quiet) as progress:
         result = look_up(request, progress)
     answers, counts = answer_columns(result), status_counts(result)

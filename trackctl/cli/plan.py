@@ -11,7 +11,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.plot import missing, picture_path
 from trackctl.cli.progress import bar, say
 from trackctl.cli.ranges import number
@@ -19,13 +19,10 @@ from trackctl.errors import NoAnswerError, UsageError
 from trackctl.workflows.plan_choices import PlanCost, PlanFormat
 
 if TYPE_CHECKING:
-    from trackctl.workflows.compile_ahead import Wait
     from trackctl.workflows.plan import PlanResult
 
 DEFAULT_TIME_LIMIT = 1.0
 STEEPEST_DEG, FASTEST, WIDEST_CLEARANCE, LONGEST_SEARCH, MOST_ITERATIONS = 44.9, 100.0, 100.0, 3600.0, 10**9
-#: The kernel that tells whether there has been a run.
-SEARCH = "simplification.simplify"
 #: An end as close to the goal is met. [m], [rad]
 MET = 1e-5
 FARTHEST_OFF, MOST_TURNED_DEG = 1000.0, 180.0
@@ -33,7 +30,6 @@ POSE, TOLERANCE = "X,Y,YAW_DEG", "M[,DEG]"
 
 
 def plan(
-    context: typer.Context,
     map_file: Annotated[
         str,
         typer.Argument(
@@ -183,10 +179,6 @@ def plan(
         raise UsageError("--iterations", iterations, "nothing beside --time-limit-s")
     if elevation is not None and (slope_deg is not None or uphill_yaw_deg is not None):
         raise UsageError("--elevation", elevation, "nothing beside --slope-deg and --uphill-yaw-deg")
-    announce_compilation(quiet, SEARCH)
-    from trackctl.workflows.compile_ahead import compiling_ahead
-
-    wait = context.with_resource(compiling_ahead("search", *(["simulation"] if verify else [])))
     planning_map = asked_map(
         map_file,
         elevation,
@@ -200,6 +192,7 @@ def plan(
     for note in planning_map.notes:
         say(note, quiet)
     named = Path(planning_map.lut) if planning_map.lut else None
+    tasks = {"plan": True, "solve columns": (lut or named) is None or reverse, "simulate": verify or bool(pivot)}
     result = planned(
         {
             "planning_map": planning_map,
@@ -216,7 +209,7 @@ def plan(
             "jobs": jobs,
         },
         (seed, time_limit_s or DEFAULT_TIME_LIMIT, iterations, cost),
-        wait,
+        [task for task, is_needed in tasks.items() if is_needed],
         quiet,
         as_json,
     )
@@ -295,16 +288,17 @@ def asked_map(map_file: str, elevation: Path | None, **given: Any) -> Any:
 
 
 def planned(
-    fields: dict[str, Any], how: tuple[int, float, int | None, PlanCost], wait: Wait, quiet: bool, as_json: bool
+    fields: dict[str, Any], how: tuple[int, float, int | None, PlanCost], tasks: list[str], quiet: bool, as_json: bool
 ) -> PlanResult:
     """The plan; where there is none, a summary says so if it was asked for."""
     from trackctl.workflows.plan import PlanRequest, search_settings, summary_without
     from trackctl.workflows.plan import plan as find
 
     request = PlanRequest(**fields, search=search_settings(*how))
+    compile_first(quiet, *tasks)
     try:
         with bar("table", "column", quiet) as compiling, bar("search", "", quiet) as searching:
-            return find(request, compiling, lambda done, total: searching(int(100 * done / total), 100), wait)
+            return find(request, compiling, lambda done, total: searching(int(100 * done / total), 100))
     except NoAnswerError as error:
         if as_json:
             typer.echo(json.dumps(summary_without(str(error), request.verify)))

@@ -10,7 +10,7 @@ import typer
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
 from trackctl.cli.csv_stream import csv_stream
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.identify import Horizon, Log, log_or_stdin
 
 
@@ -51,7 +51,7 @@ def predict(
     destination.check()
     profile = None if vehicle is None else load_vehicle(vehicle)
     request = PredictRequest(log_or_stdin(log), read_slip(slip), horizon_s, profile)
-    announce_compilation(quiet)
+    compile_first(quiet, "filter a log")
     with csv_stream(destination) as emit:
         result = look_ahead(request, emit)
     if as_json:

@@ -9,7 +9,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import bar, say
 from trackctl.cli.ranges import given_ranges
 
@@ -48,7 +48,6 @@ def sensitivity(
     Example:
       trackctl sensitivity --vehicle m113 --terrain hard-soil --slope-deg 10
     """
-    announce_compilation(quiet)
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
     from trackctl.workflows.sensitivity import (
         SensitivityRequest,
@@ -73,6 +72,7 @@ def sensitivity(
         seed,
         jobs,
     )
+    compile_first(quiet, "indices")
     with bar("solving", "point", quiet) as progress:
         found = slope_steering_sensitivity(request, progress)
     tell(request, found, quiet)

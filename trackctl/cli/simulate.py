@@ -10,7 +10,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import say
 from trackctl.cli.ranges import number
 from trackctl.errors import NoAnswerError, UsageError
@@ -171,7 +171,7 @@ def simulate(
         lut,
     )
     check_rows(request_duration(drive, duration_s), interval_s)
-    announce_compilation(quiet)
+    compile_first(quiet, "simulate", *([] if lut is None else ["look up"]))
     result = run_simulation(request)
     destination.write(motion_columns(result.motion), result_summary(result))
     report(result, quiet)

@@ -8,7 +8,7 @@ import typer
 
 from trackctl.cli import options
 from trackctl.cli.csv_output import CsvOutput
-from trackctl.cli.first_run import announce_compilation
+from trackctl.cli.first_run import compile_first
 from trackctl.cli.progress import bar, say
 from trackctl.cli.ranges import list_of
 from trackctl.errors import UsageError
@@ -56,7 +56,6 @@ def sweep(
     Example:
       trackctl sweep --slope-deg 5 --velocity-mps 1:4:1 --radius-m 20 --summary
     """
-    announce_compilation(quiet)
     import numpy as np
 
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
@@ -76,6 +75,7 @@ def sweep(
         seed,
         jobs,
     )
+    compile_first(quiet, "solve columns")
     with bar("solving", "slope", quiet) as progress:
         found = solve(request, progress)
     tell(found, quiet)

@@ -57,16 +57,24 @@ def tell_estimate(request: TableRequest, chosen: ChosenSteps, jobs: int, as_json
     """Print cells, bytes and a time estimate."""
     from trackctl.workflows.estimate import estimate
 
-    found = estimate(request, jobs)
+    tell_cost(estimate(request, jobs), "", chosen, as_json)
+
+
+def tell_bound(cells: int, chosen: ChosenSteps | None, jobs: int, as_json: bool) -> None:
+    """Print cells, bytes and time without a measurement, and the most of them where no steps are chosen."""
+    from trackctl.workflows.estimate import rough_estimate
+
+    tell_cost(rough_estimate(cells, jobs), "" if chosen else "at most ", chosen, as_json)
+
+
+def tell_cost(found: dict[str, float], bound: str, chosen: ChosenSteps | None, as_json: bool) -> None:
+    """Print what a table costs; the steps are null where none are chosen."""
     if as_json:
-        steps = {
-            "step_velocity_mps": chosen.step("velocity"),
-            "step_radius_m": chosen.step("radius"),
-            "step_heading_rad": chosen.step("heading"),
-        }
+        axes = {"velocity": "step_velocity_mps", "radius": "step_radius_m", "heading": "step_heading_rad"}
+        steps = {key: chosen.step(axis) if chosen else None for axis, key in axes.items()}
         typer.echo(json.dumps({**found, **steps}))
     else:
-        typer.echo(f"{found['cells']} cells, {found['bytes'] / 1e6:.1f} MB, about {found['seconds']:.1f} s")
+        typer.echo(f"{bound}{found['cells']} cells, {found['bytes'] / 1e6:.1f} MB, about {found['seconds']:.1f} s")
 
 
 def tell_summary(summary: TableSummary, output: Path, seconds: float, quiet: bool, as_json: bool) -> None:

@@ -28,7 +28,8 @@ from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhe
 from trackctl.planning.target import Target, is_clear_somewhere, is_exact
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
-from trackctl.workflows.compile_ahead import Wait, make_ready
+from trackctl.simulation.ground_force import track_force_there
+from trackctl.simulation.motion import compile_simulation
 from trackctl.workflows.plan_attempts import DrivenPlan, driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
 from trackctl.workflows.plan_drive import no_slip_twin
@@ -199,7 +200,6 @@ def plan(
     request: PlanRequest,
     compiling: Callable[[int, int], None] = lambda done, total: None,
     searching: Progress = lambda done, total: None,
-    wait: Wait = lambda task: None,
 ) -> PlanResult:
     """Plan what a request asks for.
 
@@ -211,8 +211,6 @@ def plan(
         Told the columns of the table that are done, and all.
     searching
         Told how far the search is.
-    wait
-        Waits for kernels that are being compiled; see `compile_ahead`.
 
     Raises
     ------
@@ -249,11 +247,9 @@ def plan(
         goal_tolerance=tolerance,
     )
     # What is to be compiled or loaded is no part of the time that a search may take.
-    make_ready("driving")
-    wait("search")
     if model.spot is not None and (request.pivot or request.verify):
-        wait("simulation")
-        make_ready("simulation")
+        compile_simulation(model.ahead.model)
+        track_force_there.load()
     load_plan_kernels(model, problem)
 
     def find(problem: Problem) -> DrivenPlan:
@@ -262,7 +258,6 @@ def plan(
     def simulated(driven: DrivenPlan) -> tuple[Verification, Verification]:
         setting = request.vehicle, request.terrain, request.gravity, exact
         twin = rows_of(model, [no_slip_twin(model, each) for each in driven.lines])
-        wait("simulation")
         with ThreadPoolExecutor(request.jobs) as pool:
             with_slip, without = pool.map(lambda rows: verify(rows, *setting), (driven.rows, twin))
         return with_slip, without

@@ -19,12 +19,11 @@ from trackctl.files.lut_reader import read_lut
 from trackctl.files.lut_writer import write_lut
 from trackctl.lut.axes import FULL_CIRCLE, Axes
 from trackctl.lut.crew import solve_columns, threads
-from trackctl.lut.sweep import Seeding, Sweep, column_values
+from trackctl.lut.sweep import Seeding, Sweep, column_values, load_kernels
 from trackctl.lut.table import VARIABLES, Table
 from trackctl.mechanics.parameters import track_model
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
-from trackctl.workflows.compile_ahead import make_ready
 from trackctl.workflows.table_request import digest_of
 
 Array = NDArray[np.float64]
@@ -119,8 +118,7 @@ def compiled_table(
     values = {name: np.empty(sweep.axes.shape) for name in VARIABLES}
     status = np.empty(sweep.axes.shape, np.uint8)
     weight, total = vehicle.mass * gravity, sweep.column_count
-    # Not in the threads: an interrupt waits for what they compile.
-    make_ready("column")
+    load_kernels(sweep.seeding)
     progress(0, total)
     with threads(jobs) as crew:
         for done, (column, cells) in enumerate(solve_columns(sweep, range(total), crew), start=1):
