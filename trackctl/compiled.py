@@ -3,6 +3,8 @@
 Compiling takes seconds, so the machine code is kept in the user's cache folder, under a digest of the package's
 sources: numba looks only at the file of the outermost function, so without the digest an edit to an inner one would go
 unnoticed. Keeping it is a convenience: where that fails, each run compiles anew, after one warning.
+
+numba is imported with the first kernel that runs compiled, since that takes longer than many a command.
 """
 
 from __future__ import annotations
@@ -16,13 +18,12 @@ import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar, cast
 
-import numba
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic, typeof_impl
+import numpy as np
 
 from trackctl.errors import TrackctlWarning
 
@@ -61,7 +62,7 @@ def cache_root() -> Path:
 def kernel_digest() -> str:
     """Digest of the sources and of numba's version; numba itself tells Pythons and processors apart."""
     package = Path(__file__).parent
-    digest = hashlib.sha256(numba.__version__.encode())
+    digest = hashlib.sha256(version("numba").encode())
     for source in sorted(path for room in KERNEL_ROOMS for path in (package / room).rglob("*.py")):
         digest.update(source.read_bytes())
     digest.update(Path(__file__).read_bytes())
@@ -121,7 +122,7 @@ class KernelLocator:
 @contextlib.contextmanager
 def own_locator(part: str) -> Iterator[None]:
     """Let numba ask `KernelLocator` first; the functions of others are none the wiser, in whichever thread."""
-    config: Any = numba.config
+    config: Any = numba().config
     before = config.CACHE_LOCATOR_CLASSES
     config.CACHE_LOCATOR_CLASSES = f"{__name__}.{KernelLocator.__name__},{before or NUMBA_LOCATORS}"
     KernelLocator.part = part
@@ -145,14 +146,21 @@ class Compiled:
     _retired: ClassVar[list[Any]] = []
     _lock: ClassVar[threading.RLock] = threading.RLock()
 
-    def __init__(self, function: Callable[..., object], compiler: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., object]) -> None:
         functools.update_wrapper(self, function)
-        self._function, self._compiler = function, compiler
+        self._function = function
         self._made: dict[str, Any] = {}
         Compiled.functions[function] = self
 
+    def compiler(self, **options: object) -> Callable[..., Any]:
+        """The decorator that makes it."""
+        made: Callable[..., Any] = numba().njit(nogil=True, no_cfunc_wrapper=True, **OPTIONS, **options)
+        return made
+
     def __call__(self, *arguments: object, **named: object) -> object:
         """Call it from Python."""
+        if _interpreted.get():
+            return self._function(*arguments, **named)
         return Compiled.despite_faults(lambda: self.make(FOR_PYTHON)(*arguments, **named))
 
     def make(self, part: str, **options: object) -> Any:
@@ -160,7 +168,7 @@ class Compiled:
         made = self._made.get(part)
         if made is None:
             with self._lock, own_locator(part):
-                made = self._made[part] = self._compiler(cache=Compiled._kept, **options)(self._function)
+                made = self._made[part] = self.compiler(cache=Compiled._kept, **options)(self._function)
         return made
 
     @classmethod
@@ -202,17 +210,17 @@ class Compiled:
             warnings.warn(text, TrackctlWarning, stacklevel=2)
 
 
-@typeof_impl.register(Compiled)
-def type_of_compiled(value: Compiled, context: Any) -> Any:
-    """To other kernels, a function is what numba makes of it."""
-    return typeof_impl(value.make(FOR_KERNELS, no_cpython_wrapper=True), context)
-
-
 class Procedure(Compiled):
     """A function compiled once, for kernels that call it by its address."""
 
     def __init__(self, function: Callable[..., object], signature: Any) -> None:
-        super().__init__(function, functools.partial(numba.cfunc, signature, **OPTIONS))
+        super().__init__(function)
+        self._signature = signature
+
+    def compiler(self, **options: object) -> Callable[..., Any]:
+        """The decorator that makes it."""
+        made: Callable[..., Any] = numba().cfunc(self._signature, **OPTIONS, **options)
+        return made
 
     def load(self) -> None:
         """Compile it, or load it."""
@@ -222,6 +230,49 @@ class Procedure(Compiled):
     def address(self) -> int:
         """Where its machine code is, as long as the process lives."""
         return int(cast("int", Compiled.despite_faults(lambda: self.make(FOR_PYTHON).address)))
+
+
+class Inlined(Compiled):
+    """A function that numba writes into each kernel that calls it: it looks for these two attributes."""
+
+    targetoptions: ClassVar[dict[str, object]] = {"inline": "always"}
+
+    @property
+    def py_func(self) -> Callable[..., object]:
+        """The Python function."""
+        return self._function
+
+
+@functools.cache
+def numba() -> Any:
+    """numba, which is told that to a kernel a function is what numba makes of it."""
+    import numba as package
+    from numba.extending import typeof_impl
+
+    for kind in (Compiled, Inlined, Procedure):
+        typeof_impl.register(kind, lambda value, context: typeof_impl(_for_kernels(value), context))
+    return package
+
+
+def _for_kernels(function: Compiled) -> Any:
+    return function.make(FOR_KERNELS, no_cpython_wrapper=True)
+
+
+_interpreted: ContextVar[bool] = ContextVar("interpreted", default=False)
+
+
+@contextlib.contextmanager
+def interpreted() -> Iterator[None]:
+    """Run kernels as Python in the block: for a few numbers, since loading compiled code takes half a second.
+
+    Results differ from compiled ones by rounding.
+    """
+    token = _interpreted.set(True)
+    try:
+        with np.errstate(all="ignore"):
+            yield
+    finally:
+        _interpreted.reset(token)
 
 
 def is_of_the_cache(error: Exception) -> bool:
@@ -236,20 +287,19 @@ def is_of_the_cache(error: Exception) -> bool:
 
 def kernel(function: Function) -> Function:
     """Compile a function with the package's settings: kept, without the GIL, vectorisable loops."""
-    compiler = functools.partial(numba.njit, nogil=True, no_cfunc_wrapper=True, **OPTIONS)
-    return cast("Function", Compiled(function, compiler))
+    return cast("Function", Compiled(function))
+
+
+def inlined(function: Function) -> Function:
+    """Compile a function into each kernel that calls it: a few lines cost more as a function of their own."""
+    return cast("Function", Inlined(function))
 
 
 def compile_for(function: Callable[..., object], *arguments: object) -> None:
     """Compile a kernel for arguments like these, or load it, without a call."""
     compiled = cast("Compiled", function)
-    kinds = tuple(numba.typeof(argument) for argument in arguments)
+    kinds = tuple(numba().typeof(argument) for argument in arguments)
     Compiled.despite_faults(lambda: compiled.make(FOR_PYTHON).compile(kinds))
-
-
-def inlined(function: Function) -> Function:
-    """Compile a function into each kernel that calls it: a few lines cost more as a function of their own."""
-    return cast("Function", numba.njit(inline="always", **OPTIONS)(function))
 
 
 def procedure(signature: Any) -> Callable[[Callable[..., object]], Procedure]:
@@ -263,6 +313,9 @@ def procedure(signature: Any) -> Callable[[Callable[..., object]], Procedure]:
 
 def call_by_address(signature: Any) -> Callable[..., Any]:
     """How kernels call a `procedure`: a function of its address, then of its arguments."""
+    from llvmlite import ir
+    from numba import types
+    from numba.extending import intrinsic
 
     @intrinsic
     def call(_typing: Any, address: Any, *arguments: Any) -> Any:

@@ -91,7 +91,7 @@ def lookup(
       trackctl lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90
     """
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
-    from trackctl.workflows.lookup import LookupRequest, answer_columns, status_counts
+    from trackctl.workflows.lookup import LookupRequest, answer_columns, is_short, status_counts
     from trackctl.workflows.lookup import lookup as look_up
 
     destination = CsvOutput(output, force, as_json)
@@ -110,7 +110,8 @@ def lookup(
         gravity_mps2,
         jobs,
     )
-    compile_first(quiet, "solve points" if method is LookupMethod.EXACT else "look up")
+    if not is_short(request):
+        compile_first(quiet, "solve points" if method is LookupMethod.EXACT else "look up")
     with bar("looking up", "row", quiet) as progress:
         result = look_up(request, progress)
     answers, counts = answer_columns(result), status_counts(result)

@@ -116,7 +116,7 @@ def follow(
         added = corrections(feedback, references[i], simulation.pose, scene.model.length, scene.model.gauge)
         after = forward[i + 1] + added
         if slopes is not None:
-            simulation.scene = slopes.scene_at(simulation.scene, 0.5 * float(time[i] + time[i + 1]))
+            simulation.scene = slopes.scene_at(scene, 0.5 * float(time[i] + time[i + 1]))
         status = simulation.advance(ramp(time[i], time[i + 1], now, after), settings)
         if status != End.DONE:
             return simulation, status

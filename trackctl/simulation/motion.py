@@ -17,7 +17,6 @@ from trackctl.simulation import integrator
 from trackctl.simulation.collocation import NODES, TO_CUBIC
 from trackctl.simulation.contact_memory import ENTRY, MEMORY
 from trackctl.simulation.graded_quadrature import FEW_NODES, graded_rule
-from trackctl.simulation.ground_force import track_force_there
 from trackctl.simulation.integrator import advance
 from trackctl.simulation.run_state import RUN, STEP, Pieces, Settings, Steps
 from trackctl.simulation.slopes import Slopes
@@ -185,7 +184,7 @@ def integration(scene: Scene, start: State, time: float, speeds: tuple[float, fl
             pieces = steady(scene, start, track, speeds[track])
         entries[track, : pieces.size] = pieces
         memory["count"][track] = pieces.size
-    return Integration(scene._replace(track_force=track_force_there.address), run, memory, entries)
+    return Integration(scene, run, memory, entries)
 
 
 def put_down(scene: Scene, start: State, track: int) -> NDArray[np.void]:
@@ -331,7 +330,7 @@ def loads_along(scene: Scene, yaw: Array, forward_acceleration: Array, left_acce
 
 def compile_simulation(model: TrackModel) -> None:
     """Compile what a simulation takes, but for the forces on the tracks, or load it."""
-    motionless = Scene(model, 1.0, 0.0, 0.0, graded_rule(), graded_rule(FEW_NODES), True)
+    motionless = Scene(model, 1.0, 0.0, 0.0, graded_rule(), graded_rule(FEW_NODES), True, 0)
     run, memory, entries = np.zeros(1, RUN), np.zeros(2, MEMORY), np.zeros((2, FIRST_RING), ENTRY)
     speed = np.array([0.0, 1.0])
     pieces, settings = speed_pieces(TrackSpeeds(speed, speed, speed)), Settings(1.0, math.inf, math.inf)

@@ -17,7 +17,7 @@ from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
 from trackctl.simulation.contact_memory import Entries, Memory
 from trackctl.simulation.graded_quadrature import FEW_NODES, GradedRule, graded_rule
-from trackctl.simulation.ground_force import NUMBERS, call_track_force, pack
+from trackctl.simulation.ground_force import NUMBERS, call_track_force, pack, track_force_there
 from trackctl.simulation.shoe_displacement import Frame
 
 Array = NDArray[np.float64]
@@ -41,7 +41,7 @@ class Scene(NamedTuple):
     remember
         Whether each shoe's point of entry is kept; else the present motion is taken to have lasted since.
     track_force
-        Address of `track_force_there`, which a simulation fills in.
+        Address of `track_force_there`.
     """
 
     model: TrackModel
@@ -51,7 +51,7 @@ class Scene(NamedTuple):
     rule: GradedRule
     rough_rule: GradedRule
     remember: bool
-    track_force: int = 0
+    track_force: int
 
 
 def scene(
@@ -66,7 +66,8 @@ def scene(
     """The scene of profiles, gravity [m/s2] and a slope plane [rad]; see `Scene`."""
     model = track_model(vehicle, terrain, gravity)
     inertia = vehicle.yaw_inertia / vehicle.mass
-    return Scene(model, inertia, slope, uphill_yaw, graded_rule(), graded_rule(FEW_NODES), remember)
+    rules = graded_rule(), graded_rule(FEW_NODES)
+    return Scene(model, inertia, slope, uphill_yaw, *rules, remember, track_force_there.address)
 
 
 @kernel

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
@@ -11,12 +12,12 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from trackctl.compiled import interpreted
 from trackctl.errors import InputFileError
 from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import LutHeader, read_lut, read_lut_header
 from trackctl.lut.axes import Array, Axes
 from trackctl.lut.interpolation import LookupResult, LookupStatus, interpolant, look_up, table_points
-from trackctl.lut.point import solve_points
 from trackctl.lut.shape_functions import Method, axis_stencils
 from trackctl.lut.table import Table
 from trackctl.mechanics.parameters import track_model
@@ -31,6 +32,8 @@ Found = TypeVar("Found", Table, LutHeader)
 
 #: Points answered between two reports of progress.
 BATCH = 16384
+#: Most points that are interpreted, at some 3 ms each.
+FEW = 64
 SHOWN_SLOPES = 8
 
 
@@ -87,13 +90,20 @@ def lookup(request: LookupRequest, progress: Progress = lambda done, total: None
         If the points do not say which of the table's slopes they are on.
     """
     answer, axes = opened_table(request)
+    context = interpreted if is_short(request) else nullcontext
     velocity, curvature, heading = request.points.velocity, request.points.curvature, request.points.heading
     points = np.stack((slopes(request, axes), velocity, curvature, heading))
     answered = []
     for start in range(0, velocity.size, BATCH):
-        answered.append(answer(np.ascontiguousarray(points[:, start : start + BATCH])))
+        with context():
+            answered.append(answer(np.ascontiguousarray(points[:, start : start + BATCH])))
         progress(min(start + BATCH, velocity.size), velocity.size)
     return joined(answered)
+
+
+def is_short(request: LookupRequest) -> bool:
+    """Whether so little is asked that it is answered sooner than compiled code is loaded."""
+    return request.method is not LookupMethod.EXACT and request.points.velocity.size <= FEW
 
 
 def opened_table(request: LookupRequest) -> tuple[Callable[[Array], LookupResult], Axes]:
@@ -149,6 +159,8 @@ def solved_answers(
     jobs: int,
 ) -> LookupResult:
     """Answers of the model to those of the points, shape (4, n_points), that are `inside`."""
+    from trackctl.lut.point import solve_points  # with it numba, which other methods may do without
+
     model = track_model(vehicle, terrain, gravity)
     status = np.full(inside.size, LookupStatus.OUTSIDE_TABLE, np.uint8)
     ratios = np.full((3, inside.size), np.nan)

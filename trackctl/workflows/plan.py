@@ -28,7 +28,6 @@ from trackctl.planning.table_limits import driven_backwards, is_feasible_somewhe
 from trackctl.planning.target import Target, is_clear_somewhere, is_exact
 from trackctl.profiles.terrain import TerrainProfile
 from trackctl.profiles.vehicle import VehicleProfile
-from trackctl.simulation.ground_force import track_force_there
 from trackctl.simulation.motion import compile_simulation
 from trackctl.workflows.plan_attempts import DrivenPlan, driven_plan, slope_range
 from trackctl.workflows.plan_choices import PlanCost
@@ -249,7 +248,6 @@ def plan(
     # What is to be compiled or loaded is no part of the time that a search may take.
     if model.spot is not None and (request.pivot or request.verify):
         compile_simulation(model.ahead.model)
-        track_force_there.load()
     load_plan_kernels(model, problem)
 
     def find(problem: Problem) -> DrivenPlan:

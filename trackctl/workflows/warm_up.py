@@ -211,7 +211,7 @@ TASKS = {
     "compile a table": (*_SOLVING, "column", "interpolation", "sensitivity"),
     "look up": ("interpolation",),
     "indices": (*_SOLVING, "sensitivity"),
-    "plan": ("growth", "polishing", "simplification", "driving", "path rule"),
+    "plan": ("growth", "track force", "polishing", "simplification", "path rule", "driving"),
     "simulate": ("simulation", "track force", "path rule"),
     "filter a log": ("filter",),
     "calibrate": ("filter", "steady motions"),
