@@ -53,7 +53,7 @@ def test_a_dry_run_with_steps_counts_the_cells(compiled):
 
 COMMANDS = {
     "compile a table": "compute-lut --budget 2000 --slope-deg 5 -o lut.h5",
-    "look up": "lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90",
+    "look up": "lookup lut.h5 rows.csv",
     "solve points": "lookup lut.h5 --velocity-mps 1 --radius-m 5 --heading-deg 90 --method exact",
     "solve columns": "sweep --slope-deg 5 --velocity-mps 1 --radius-m 5 --heading-deg 0:300:60",
     "indices": "sensitivity --samples 200 --resamples 10",
@@ -78,6 +78,8 @@ def test_after_a_warm_up_no_command_compiles(tmp_path):
     assert result.returncode == 0, result.stderr
     before = set(kernel_folder().rglob("*.nbc"))
     (tmp_path / "map.yaml").write_text(MAP, encoding="utf-8")
+    rows = "velocity_mps,radius_m,heading_deg\n" + 100 * "1,5,90\n"
+    (tmp_path / "rows.csv").write_text(rows, encoding="utf-8")
     for task, words in COMMANDS.items():
         if task == "filter a log":
             turns = "simulate --track-speeds-mps 0.4,0.6 --duration-s 20 --slope-deg 0 -o log.csv"

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Annotated, Any
@@ -32,7 +33,7 @@ from trackctl.cli.sensitivity import sensitivity
 from trackctl.cli.simulate import simulate
 from trackctl.cli.sweep import sweep
 from trackctl.cli.warm_up import warm_up
-from trackctl.errors import NoAnswerError, TrackctlError
+from trackctl.errors import NoAnswerError, TrackctlError, TrackctlWarning
 
 NO_ANSWER = 1
 BAD_INPUT = 2
@@ -91,6 +92,23 @@ def exit_codes() -> Iterator[None]:
         raise _exit(BAD_INPUT, f"{error.filename or 'input or output'}: {error.strerror or error}") from None
 
 
+@contextmanager
+def warnings_as_notes() -> Iterator[None]:
+    """Show the package's own warnings as a line each on standard error, and others as Python does."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", TrackctlWarning)
+        shown_by_python = warnings.showwarning
+
+        def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+            if issubclass(category, TrackctlWarning):
+                typer.echo(f"Note: {message}", err=True)
+            else:
+                shown_by_python(message, category, *rest, **more)
+
+        warnings.showwarning = show
+        yield
+
+
 class Commands(TyperGroup):
     """The commands, within `exit_codes`."""
 
@@ -101,7 +119,7 @@ class Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Read the rest of the command line and run the command."""
-        with exit_codes():
+        with exit_codes(), warnings_as_notes():
             return super().invoke(ctx)
 
 
