@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.pose import wrapped
 from trackctl.planning.slope_field import SlopeField, gradient_at
 from trackctl.planning.steering_limits import SteeringLimits
@@ -193,7 +193,7 @@ def _stretch(axis: Array, at: float) -> tuple[int, float]:
     return low, min(1.0, (at - axis[low]) / (axis[high] - axis[low]))
 
 
-@kernel
+@inlined
 def slope_at(field: SlopeField, x: float, y: float) -> tuple[float, float]:
     """Angle of the slope and direction of up-slope in the world; NaN where the ground is not known. [rad]"""
     gradient_x, gradient_y = gradient_at(field, x, y)

@@ -13,7 +13,7 @@ from trackctl.planning.collision import cell_position, free_radius
 from trackctl.planning.connection import connect
 from trackctl.planning.dubins import seen_from
 from trackctl.planning.families import arc_to_point, way_to_point
-from trackctl.planning.pieces import Task, Way, free_length, pivot_is_free, way_cost
+from trackctl.planning.pieces import Task, Way, free_length, lent_task, pivot_is_free, way_cost
 from trackctl.planning.pose import advanced, wrapped
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
 from trackctl.planning.target import End, Target, copy_end, draw_end, is_exact
@@ -248,6 +248,7 @@ def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, 
     tuple
         Iterations done, and whether the last one found a better solution.
     """
+    task = lent_task(task)
     if tree.size[0] == 1 and growth.bound[0] == np.inf and shoot(task, tree, growth, 0):
         return 1, True
     for iteration in range(iterations):

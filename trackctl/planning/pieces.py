@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import inlined, kernel, lending
 from trackctl.planning.collision import (
     HALF_DIAGONAL,
     Obstacles,
@@ -17,8 +17,10 @@ from trackctl.planning.collision import (
     disc_clearance,
     is_clear,
 )
+from trackctl.planning.footprint import Footprint
 from trackctl.planning.ground import Ground, Motion, rate_at
 from trackctl.planning.pose import advanced
+from trackctl.planning.slope_field import SlopeField
 
 Array = NDArray[np.float64]
 
@@ -32,6 +34,9 @@ FIRST_STEP = 2.0
 FINEST_STEP = 0.2
 #: Between two checks of a turn on the spot, as movement of the farthest vertex, in cells.
 PIVOT_STEP = 0.5
+
+
+lent = lending()
 
 
 class Way(NamedTuple):
@@ -91,6 +96,66 @@ class Task(NamedTuple):
     inner_radius: float
     least_rate: float
     estimates: Array
+
+
+@inlined
+def lent_way(way: Way) -> Way:
+    """Pieces, their arrays lent."""
+    return Way(lent(way.curvature), lent(way.length), lent(way.pivot))
+
+
+@kernel
+def lent_motion(motion: Motion) -> Motion:
+    """Tables of a gear, their arrays lent."""
+    return Motion(
+        lent(motion.slope),
+        lent(motion.curvature),
+        lent(motion.rate),
+        lent(motion.sideslip),
+        motion.least_rate,
+        motion.turning,
+    )
+
+
+@kernel
+def lent_task(task: Task) -> Task:
+    """A task, its arrays lent."""
+    o, f, g = task.obstacles, task.obstacles.footprint, task.ground
+    field = SlopeField(
+        lent(g.field.gradient_x),
+        lent(g.field.gradient_y),
+        g.field.spacing_x,
+        g.field.spacing_y,
+        g.field.x,
+        g.field.y,
+        g.field.level_uphill,
+    )
+    footprint = Footprint(lent(f.vertices), lent(f.edges), lent(f.first), lent(f.discs), f.reach)
+    obstacles = Obstacles(
+        lent(o.before),
+        lent(o.distance),
+        o.resolution,
+        o.x,
+        o.y,
+        o.cos_yaw,
+        o.sin_yaw,
+        o.margin,
+        footprint,
+        lent(o.spans),
+    )
+    return Task(
+        obstacles,
+        Ground(field, lent_motion(g.forward), lent_motion(g.backward), g.is_level),
+        lent(task.radii),
+        task.gear_change,
+        task.pivot_rate,
+        task.can_reverse,
+        task.first_gear,
+        task.last_gear,
+        task.inner_radius,
+        task.least_rate,
+        lent(task.estimates),
+    )
 
 
 def new_way(count: int = MOST_PIECES) -> Way:

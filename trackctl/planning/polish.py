@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import inlined, kernel
 from trackctl.planning.connection import connect
-from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, new_way, pivot_cost
+from trackctl.planning.pieces import Task, Way, drive_cost, gear_of, lent, lent_task, lent_way, new_way, pivot_cost
 from trackctl.planning.pose import advanced
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
-from trackctl.planning.target import End, Target, copy_end, draw_beside, is_exact, new_end
+from trackctl.planning.target import End, Target, copy_end, draw_beside, is_exact, lent_end, new_end
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -90,6 +90,26 @@ def new_path() -> Path:
 
 
 @kernel
+def lent_path(path: Path) -> Path:
+    """A path, its arrays lent."""
+    return Path(
+        lent_way(path.pieces),
+        lent(path.x),
+        lent(path.y),
+        lent(path.tangent),
+        lent(path.gear),
+        lent(path.position),
+        lent(path.cost),
+        lent(path.piece_count),
+        lent_end(path.end),
+        lent_end(path.moved),
+        lent_way(path.first),
+        lent_way(path.second),
+        lent_way(path.spare),
+    )
+
+
+@kernel
 def measure(task: Task, path: Path, start: Pose) -> float:
     """Fill in poses, positions and costs of a path's pieces; its cost."""
     path.x[0], path.y[0], path.tangent[0] = start
@@ -107,7 +127,7 @@ def measure(task: Task, path: Path, start: Pose) -> float:
     return float(path.cost[count])
 
 
-@kernel
+@inlined
 def _piece_cost(task: Task, path: Path, i: int) -> float:
     """Cost of a piece, with that of a gear change before it."""
     length = path.pieces.length[i]
@@ -139,7 +159,7 @@ def _cost_at(path: Path, position: float) -> float:
     return float(path.cost[i] + share * (path.cost[i + 1] - path.cost[i]))
 
 
-@kernel
+@inlined
 def _pose_at(path: Path, piece: int, position: float) -> tuple[float, float, float]:
     length = math.copysign(position - path.position[piece], path.pieces.length[piece])
     return advanced(path.x[piece], path.y[piece], path.tangent[piece], path.pieces.curvature[piece], length)
@@ -260,6 +280,7 @@ def polish(task: Task, path: Path, stream: Stream, target: Target, iterations: i
     float
         The path's cost.
     """
+    task, path, stream = lent_task(task), lent_path(path), lent(stream)
     start = path.x[0], path.y[0], path.tangent[0]
     for _ in range(iterations):
         count, total = path.piece_count[0], path.position[path.piece_count[0]]

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from trackctl.compiled import kernel
 from trackctl.planning.connection import connect
-from trackctl.planning.pieces import Task
-from trackctl.planning.polish import CAPACITY, WIDEST, Path, measure, new_path, replace_stretch, swap
+from trackctl.planning.pieces import Task, lent_task
+from trackctl.planning.polish import CAPACITY, WIDEST, Path, lent_path, measure, new_path, replace_stretch, swap
 from trackctl.planning.route import Route
 
 Array = NDArray[np.float64]
@@ -45,6 +45,7 @@ def simplified(task: Task, route: Route) -> tuple[Route, float]:
 @kernel
 def simplify(task: Task, path: Path, radii: Array, most: float) -> bool:
     """Replace runs of a measured path from its start on, the longest first, up to a cost; whether there were any."""
+    task, path = lent_task(task), lent_path(path)
     first, any_replaced = 0, False
     while first + SHORTEST_RUN <= path.piece_count[0]:
         run = min(LONGEST_RUN, path.piece_count[0] - first)

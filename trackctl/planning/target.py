@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import kernel
+from trackctl.compiled import inlined, kernel
 from trackctl.planning.collision import Obstacles, is_clear
 from trackctl.planning.ground import rate_at, straight_tangent
-from trackctl.planning.pieces import Task, free_length, motion_in
+from trackctl.planning.pieces import Task, free_length, lent, motion_in
 from trackctl.planning.pose import wrapped
 from trackctl.planning.random_numbers import Stream, between, normal, uniform
 
@@ -75,6 +75,12 @@ def new_end(route: Pose = (0.0, 0.0, 0.0), body: Pose = (0.0, 0.0, 0.0)) -> End:
 def is_exact(target: Target) -> bool:
     """Whether there is but one end."""
     return target.distance <= POSITION_SLACK and target.turn <= YAW_SLACK
+
+
+@inlined
+def lent_end(end: End) -> End:
+    """An end, its arrays lent."""
+    return End(lent(end.route), lent(end.body))
 
 
 @kernel
