@@ -13,7 +13,7 @@ from trackctl.errors import MapError
 from trackctl.files.map_file import read_planning_map
 from trackctl.geometry.circle import Circle
 
-DATA = Path(__file__).parent.parent / "data" / "maps"
+README = Path(__file__).parents[2] / "README.md"
 ROS = {
     "image": "map.pgm",
     "resolution": "0.05",
@@ -51,17 +51,33 @@ def test_a_map_of_ros(written):
     assert (found.start, found.slope, found.elevation, found.notes) == (None, None, None, ())
 
 
+@pytest.mark.parametrize("kind", ["pgm", "png", "bmp"])
+def test_a_turned_map_of_many_cells(written, tmp_path, kind):
+    """In shades as map_server writes them; the corners of the cells turn with the map."""
+    shades = np.random.default_rng(0).choice(np.array([0, 205, 254], np.uint8), (17, 11))
+    Image.fromarray(shades if kind == "pgm" else np.stack([shades] * 3, axis=-1)).save(tmp_path / f"turned.{kind}")
+    changes = {"image": f"turned.{kind}", "resolution": "0.1", "origin": "[2.0, 3.0, 1.0]"}
+    occupancy = read_planning_map(written(ROS | changes)).occupancy
+    expected = np.select([shades == 0, shades == 254], [100, 0], -1)
+    np.testing.assert_array_equal(occupancy.cells[::-1], expected)
+    across, up = 0.1 * 11, 0.1 * 17
+    np.testing.assert_allclose(
+        occupancy.frame.to_world(11.0, 17.0),
+        (2.0 + across * math.cos(1.0) - up * math.sin(1.0), 3.0 + across * math.sin(1.0) + up * math.cos(1.0)),
+    )
+
+
 @pytest.mark.parametrize(
     ("name", "shape", "occupied", "unknown"), [("testmap", (10, 10), 29, 0), ("TenByTen", (10, 10), 20, 2)]
 )
-def test_maps_of_nav2(name, shape, occupied, unknown):
-    cells = read_planning_map(str(DATA / f"{name}.yaml")).occupancy.cells
+def test_maps_of_nav2(data_of_others, name, shape, occupied, unknown):
+    cells = read_planning_map(str(data_of_others(f"maps/{name}.yaml"))).occupancy.cells
     assert cells.shape == shape
     assert ((cells == 100).sum(), (cells == -1).sum()) == (occupied, unknown)
 
 
-def test_a_turned_map_of_nav2():
-    frame = read_planning_map(str(DATA / "testmap.yaml")).occupancy.frame
+def test_a_turned_map_of_nav2(data_of_others):
+    frame = read_planning_map(str(data_of_others("maps/testmap.yaml"))).occupancy.frame
     np.testing.assert_allclose(
         frame.to_world(10.0, 10.0), (2.0 + math.cos(1.0) - math.sin(1.0), 3.0 + math.sin(1.0) + math.cos(1.0))
     )
@@ -279,7 +295,7 @@ def test_a_map_that_is_not_permitted(written):
 
 
 def test_the_map_of_the_readme_reads(written):
-    section = (DATA.parent.parent.parent / "README.md").read_text().partition("## Maps")[2]
+    section = README.read_text().partition("## Maps")[2]
     text = section.partition("```yaml\n")[2].partition("```")[0]
     one_ground = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("elevation"))
     found = read_planning_map(written({}, one_ground))
