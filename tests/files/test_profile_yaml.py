@@ -250,7 +250,15 @@ def test_a_name_is_text(value):
         ("mass_kg: !!float 1\n", "tags (tag:yaml.org,2002:float)"),
         ("mass_kg: !!python/object/apply:os.getcwd []\n", "tags"),
         ("mass_kg: 1\n---\nmass_kg: 1\n", "line 2: a second YAML document"),
-        ("mass_kg: " + "[" * 50_000, "nested more than"),
+        ("mass_kg: " + "[" * 8, "line 1: nested more than 8 deep"),
+        ("mass_kg: " + "[" * 7, "is not valid YAML"),
+        ("# [[[[[[[[[\na: [1\n", "is not valid YAML"),
+        *(
+            (f"name: x\nmass_kg:\n  {level * 50_000}", "line 3: nested more than 8 deep")
+            for level in ("[", "{", "[{", "- ", "? ", "{a: ", "[[], ")
+        ),
+        ("mass_kg: " + "[\n" * 50_000, "line 8: nested more than 8 deep"),
+        ("".join(f"{level * ' '}a:\n" for level in range(1200)), "line 9: nested more than 8 deep"),
         ("[1, 2]: 3\n", "a list is no key"),
         ("1: 2\n", "'1' is no key"),
         (TERRAIN, "is a terrain profile; a vehicle profile is needed here"),
