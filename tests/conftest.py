@@ -6,10 +6,16 @@ import os
 from pathlib import Path
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-# A kernel's first call compiles it; and a failure should be the same tomorrow.
-settings.register_profile("trackctl", deadline=None, derandomize=True)
+# A kernel's first call compiles it, other programs want the processor, too, and a failure should be the same tomorrow.
+# A fixture serves all examples of its test: what one writes, the next writes over.
+settings.register_profile(
+    "trackctl",
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
 settings.load_profile("trackctl")
 
 DATA_VARIABLE = "TRACKCTL_TEST_DATA"

@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from system_words import NO_FILE, NOT_PERMITTED
 
 from trackctl.errors import MapError
 from trackctl.files.map_file import read_planning_map
@@ -157,7 +158,7 @@ def test_elevation_grids_beside_a_map(written):
     [
         ({"image": None}, "missing keys of a map with an image: image"),
         ({"negate": None, "origin": None}, "missing keys of a map with an image: origin, negate"),
-        ({"image": "nowhere.pgm"}, "/nowhere.pgm: cannot be read: No such file or directory"),
+        ({"image": "nowhere.pgm"}, f"/nowhere.pgm: cannot be read: {NO_FILE}"),
         ({"image": "."}, "is a folder; allowed: a file"),
         ({"image": "/dev/zero"}, "/dev/zero: is no regular file"),
         ({"image": '""'}, "line 1: image: is empty"),
@@ -200,7 +201,7 @@ def test_elevation_grids_beside_a_map(written):
         ({"slope_deg": "5", "elevation": "hill.asc"}, "line 7: slope_deg: stands beside elevation"),
         ({"elevation": "hill.npy"}, "hill.npy: does not tell how far apart its heights are"),
         ({"elevation": "hill.txt"}, "hill.txt: is of no known kind; allowed: .asc"),
-        ({"elevation": "none.asc"}, "none.asc: cannot be read: No such file"),
+        ({"elevation": "none.asc"}, f"none.asc: cannot be read: {NO_FILE}"),
         ({"bounds_m": "[0, 0, 1, 1]"}, "line 7: bounds_m: stands beside image or elevation"),
         ({"vehicle": "[a]"}, "line 7: vehicle: a list is no text"),
         ({"obstacles": "[1, 2]"}, "line 7: obstacles: is no mapping"),
@@ -273,7 +274,7 @@ MUTATIONS = st.lists(
 )
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300)
 @given(MUTATIONS)
 def test_a_changed_map_reads_or_is_refused_in_one_line(written, mutations):
     text = WHOLE
@@ -290,7 +291,7 @@ def test_a_changed_map_reads_or_is_refused_in_one_line(written, mutations):
 def test_a_map_that_is_not_permitted(written):
     path = Path(written(ROS))
     path.chmod(0)
-    with pytest.raises(MapError, match="Permission denied"):
+    with pytest.raises(MapError, match=NOT_PERMITTED):
         read_planning_map(str(path))
 
 

@@ -6,7 +6,8 @@ import subprocess
 import sys
 
 import pytest
-from dask_cluster import PATIENCE, Cluster
+from dask_cluster import Cluster
+from patience import PATIENCE
 from table_runs import StoppedError, compiled, stop_after
 
 from trackctl.errors import MissingLibraryError, UsageError, WorkerError
@@ -107,7 +108,6 @@ def test_a_worker_is_no_scheduler(machines):
 def test_without_workers_it_gives_up_after_a_while_and_without_its_scheduler_at_once(tmp_path, monkeypatch):
     told = []
     monkeypatch.setattr(module, "WORKERLESS_TIMEOUT", 2.0)
-    monkeypatch.setattr(module, "CONNECT_TIMEOUT", 1.0)
     with Cluster(tmp_path) as machines, cluster(machines.address, told.append) as crew:
         with pytest.raises(WorkerError, match=r"no worker at tcp://.* for 2 s; start one: dask worker; .*--resume"):
             compiled(tmp_path / "lut.h5", crew=crew)
