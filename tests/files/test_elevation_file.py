@@ -5,6 +5,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from system_words import NO_FILE
 
 from trackctl.errors import MapError, MissingLibraryError
 from trackctl.files.elevation_file import metres_per_degree, read_elevation
@@ -338,7 +339,7 @@ def test_geotiff_without_its_library(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("ending", [".asc", ".npy", ".npz", ".tif"])
 def test_files_that_are_none(tmp_path, ending):
-    assert "No such file" in refusal(tmp_path / f"none{ending}")
+    assert NO_FILE in refusal(tmp_path / f"none{ending}")
     assert "is a folder" in refusal_of_folder(tmp_path / f"folder{ending}")
     refusal(file(tmp_path, f"empty{ending}", ""))
     refusal(file(tmp_path, f"text{ending}", "free as the wind\n"))

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from system_words import NO_FILE
 
 from trackctl.errors import MapError
 from trackctl.files.map_file import read_planning_map
@@ -75,5 +76,5 @@ def test_damaged_maps_read_or_are_refused(tmp_path):
 
 
 def test_a_missing_map_is_refused(tmp_path):
-    with pytest.raises(MapError, match="No such file"):
+    with pytest.raises(MapError, match=NO_FILE):
         read_planning_map(str(tmp_path / "none.map"))
