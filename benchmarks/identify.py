@@ -1,7 +1,7 @@
 """Speed, memory and errors of `trackctl identify`, on simulated logs and on real ones.
 
-Run from the repository: ``python benchmarks/identify.py [--data FOLDER]``, the folder with Husky logs
-(``husky_chained_fresh.csv``, ``husky_chained_20hz.csv``).
+Run from the repository: ``python benchmarks/identify.py [--data FOLDER]``, the folder with logs of a Husky and
+a Warthog (``husky_chained_fresh.csv``, ``husky_chained_20hz.csv``, ``warthog_chained_fresh.csv``).
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ from slip_simulation import (  # noqa: E402  # noqa: E402
 
 IDENTIFY = [sys.executable, "-m", "trackctl", "identify"]
 CARRIER = ["--vehicle", "carrier-13t6"]
-WARTHOG, WARTHOG_GAUGE = REPOSITORY / "tests" / "data" / "identification" / "warthog_chained_fresh.csv", 1.08
+HUSKY_LOGS, WARTHOG_LOG = ("husky_chained_fresh.csv", "husky_chained_20hz.csv"), "warthog_chained_fresh.csv"
+WARTHOG_GAUGE = 1.08
 ROWS = 1_000_000
 RATE, POSE_EVERY = 1000, 20
 STREAM_SECONDS = 20
@@ -120,7 +121,7 @@ def print_cases() -> None:
     print(f"heading only        {reductions(errors_against(rows, learn(blind)[0], rows)).round(1)} % less")
 
 
-def print_real(log: Path) -> None:
+def print_husky(log: Path) -> None:
     for kind in ("window", "velocity"):
         for model in MODELS:
             words = [*IDENTIFY, str(log), "--vehicle", "husky", "--model", model, "--filter", kind, "--json"]
@@ -133,17 +134,17 @@ def print_real(log: Path) -> None:
             )
 
 
-def print_warthog() -> None:
-    """A real log that comes along."""
-    rows = np.loadtxt(WARTHOG, delimiter=",", skiprows=1)
+def print_warthog(log: Path) -> None:
+    """Of a vehicle without a profile."""
+    rows = np.loadtxt(log, delimiter=",", skiprows=1)
     for model in MODELS:
         percent = reductions(mean_errors(learn(rows, WARTHOG_GAUGE, model)[0]))
-        print(f"{WARTHOG.stem:22}{'window':10}{model:12}{percent.round(1)} % less")
+        print(f"{log.stem:22}{'window':10}{model:12}{percent.round(1)} % less")
 
 
 def main() -> None:
     parser = argparse.ArgumentParser()
-    parser.add_argument("--data", type=Path, help="folder with the Husky logs")
+    parser.add_argument("--data", type=Path, help="folder with the real logs")
     parser.add_argument("--write", nargs=2, metavar=("FILE", "ROWS"), help="only write a log")
     options = parser.parse_args()
     if options.write:
@@ -152,12 +153,13 @@ def main() -> None:
     data = options.data
     print(f"gauge of the simulated vehicle {GAUGE} m")
     print_cases()
-    print_warthog()
     with tempfile.TemporaryDirectory() as folder:
         print_speed(Path(folder))
         print_stream(Path(folder))
-    for name in ("husky_chained_fresh.csv", "husky_chained_20hz.csv") if data else ():
-        print_real(data / name)
+    if data:
+        for name in HUSKY_LOGS:
+            print_husky(data / name)
+        print_warthog(data / WARTHOG_LOG)
 
 
 if __name__ == "__main__":

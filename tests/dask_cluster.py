@@ -6,7 +6,7 @@ import subprocess
 import sys
 import time
 
-PATIENCE = 200.0
+from patience import PATIENCE
 
 
 class Cluster:

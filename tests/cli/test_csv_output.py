@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from system_words import NO_SPACE
 
 from trackctl.cli.csv_output import CsvOutput
 from trackctl.errors import OutputError, UsageError
@@ -57,5 +58,5 @@ def test_places_that_cannot_be_written(tmp_path, path):
 
 @pytest.mark.skipif(not FULL_DISK.exists(), reason="this system has no full disk to try")
 def test_a_full_disk():
-    with pytest.raises(OutputError, match="/dev/full: cannot be written: No space left"):
+    with pytest.raises(OutputError, match=f"/dev/full: cannot be written: {NO_SPACE}"):
         CsvOutput(FULL_DISK, False, False).write(COLUMNS, SUMMARY)

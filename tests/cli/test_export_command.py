@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from solved_tables import solved_table
+from system_words import NO_FILE
 from table_variants import part
 from typer.testing import CliRunner
 
@@ -178,7 +179,7 @@ def test_no_cell_with_an_answer_exits_1(folder):
         (["lut.h5", "-o", "nowhere/a.c"], "there is no folder"),
         (["cut.h5", "-o", "a.c"], "cut.h5: is damaged or cut off"),
         (["points.csv", "-o", "a.c"], "points.csv: is no HDF5 file"),
-        (["none.h5", "-o", "a.mat"], "none.h5: cannot be read: No such file"),
+        (["none.h5", "-o", "a.mat"], f"none.h5: cannot be read: {NO_FILE}"),
     ],
 )
 def test_bad_input_exits_2_and_writes_nothing(folder, words, problem):

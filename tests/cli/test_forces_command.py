@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from system_words import IS_FOLDER
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -256,7 +257,7 @@ def test_output_file_and_step(run, tmp_path):
         (["--slope-deg", 45], "--slope-deg: 45.0 is not allowed; allowed: 0 and below 45"),
         (["--vehicle", "tank"], "no vehicle profile has this name"),
         (["nothing.csv"], "nothing.csv: cannot be read"),
-        (["."], ".: cannot be read: Is a directory"),
+        (["."], f".: cannot be read: {IS_FOLDER}"),
         (["-", "--arc-deg", 90], "--arc-deg: 90.0 is not allowed; allowed: nothing beside a CSV"),
     ],
 )

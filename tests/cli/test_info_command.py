@@ -3,6 +3,7 @@ import json
 import numpy as np
 import pytest
 from solved_tables import VEHICLE, solved_table
+from system_words import NO_FILE
 from typer.testing import CliRunner
 
 from trackctl import __version__
@@ -88,7 +89,7 @@ def test_programs_read_the_same(run):
 
 @pytest.mark.parametrize(
     ("content", "problem"),
-    [(None, "cannot be read: No such file"), (b"", "is empty"), (b"a,b\n1,2\n", "is no HDF5 file")],
+    [(None, f"cannot be read: {NO_FILE}"), (b"", "is empty"), (b"a,b\n1,2\n", "is no HDF5 file")],
 )
 def test_what_is_no_table_exits_2(run, folder, content, problem):
     path = folder / "other.h5"

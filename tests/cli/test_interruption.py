@@ -1,4 +1,4 @@
-"""`compute-lut` stopped from outside, as a user or the system does it."""
+"""`compute-lut` stopped on the way, killed at a given column or by Ctrl-C in a table that takes long."""
 
 import os
 import signal
@@ -8,9 +8,28 @@ import time
 
 import h5py
 import pytest
+from patience import PATIENCE
 
-LONG = ("--steps", "velocity=.05,radius=1,heading=20", "--velocity-mps", "1:2", "--seeding", "pso", "--jobs", "2")
-PATIENCE = 300.0
+TRACKCTL = [sys.executable, "-m", "trackctl"]
+STEPS, FINE_STEPS = "velocity=.05,radius=1,heading=20", "velocity=.005,radius=1,heading=20"
+#: `trackctl` that is killed before it appends to a checkpoint of so many columns: no clock decides when.
+KILLED = """
+import os, signal, sys
+from trackctl.cli.app import main
+from trackctl.files.journal import Journal
+
+left, append = int(sys.argv.pop(1)), Journal.append
+
+def append_or_die(*column):
+    global left
+    if left == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    left -= 1
+    append(*column)
+
+Journal.append = append_or_die
+main()
+"""
 
 
 def heed_interrupts():
@@ -18,9 +37,10 @@ def heed_interrupts():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def start(folder, *words):
+def start(folder, *words, program=TRACKCTL, steps=STEPS):
+    table = ("--steps", steps, "--velocity-mps", "1:2", "--seeding", "pso", "--jobs", "2")
+    command = [*program, "compute-lut", *table, "-o", str(folder / "lut.h5"), *words]
     environment = os.environ | {"SOURCE_DATE_EPOCH": "1"}
-    command = [sys.executable, "-m", "trackctl", "compute-lut", *LONG, "-o", str(folder / "lut.h5"), *words]
     return subprocess.Popen(command, env=environment, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
 
 
@@ -28,15 +48,6 @@ def finished(process):
     """Exit code of a process, once it has ended."""
     process.communicate(timeout=PATIENCE)
     return process.returncode
-
-
-def await_columns(folder, columns):
-    """Wait until so many columns are in the checkpoint."""
-    column_bytes, checkpoint = 21 * 18 * 56, folder / "lut.h5.partial"
-    until = time.monotonic() + PATIENCE
-    while not (checkpoint.exists() and checkpoint.stat().st_size > columns * column_bytes):
-        assert time.monotonic() < until
-        time.sleep(0.005)
 
 
 def contents(path):
@@ -55,19 +66,20 @@ def whole(tmp_path_factory):
 
 @pytest.mark.parametrize("columns", [0, 2, 20])
 def test_killed_and_resumed_it_is_as_if_never_killed(tmp_path, whole, columns):
-    process = start(tmp_path)
-    await_columns(tmp_path, columns)
-    process.kill()
-    process.communicate()
-    assert not (tmp_path / "lut.h5").exists()
+    killed = start(tmp_path, program=[sys.executable, "-c", KILLED, str(columns)])
+    assert finished(killed) == -signal.SIGKILL
+    assert [path.name for path in tmp_path.iterdir()] == ["lut.h5.partial"]
     assert finished(start(tmp_path, "--resume")) == 0
     assert [path.name for path in tmp_path.iterdir()] == ["lut.h5"]
     assert contents(tmp_path / "lut.h5") == whole
 
 
 def test_ctrl_c_stops_soon_and_names_the_checkpoint(tmp_path):
-    process = start(tmp_path)
-    await_columns(tmp_path, 1)
+    """Soon: long before the 201 columns are done."""
+    process, checkpoint = start(tmp_path, steps=FINE_STEPS), tmp_path / "lut.h5.partial"
+    while not (checkpoint.exists() and checkpoint.stat().st_size > 20_000):
+        assert process.poll() is None
+        time.sleep(0.005)
     process.send_signal(signal.SIGINT)
     _, told = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from solved_tables import SLOPE, VEHICLE, solved_table
+from system_words import IS_FOLDER, NO_FILE, NO_SPACE
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -186,7 +187,7 @@ def test_the_limits_of_the_vehicle_given_apply(run, folder):
         ([*ONE, "-o", "."], "is a folder"),
         ([*ONE, "--vehicle", "tank"], "tank: no vehicle profile has this name"),
         (["nothing.csv"], "nothing.csv: cannot be read"),
-        (["."], ".: cannot be read: Is a directory"),
+        (["."], f".: cannot be read: {IS_FOLDER}"),
         (["lut.h5"], "lut.h5: is binary"),
     ],
 )
@@ -217,7 +218,7 @@ def test_what_is_no_list_of_points_exits_2(run, text, problem):
 @pytest.mark.parametrize(
     ("lut", "problem"),
     [
-        ("none.h5", "none.h5: cannot be read: No such file"),
+        ("none.h5", f"none.h5: cannot be read: {NO_FILE}"),
         (".", ".: is a folder"),
         ("empty.h5", "empty.h5: is empty"),
         ("points.csv", "points.csv: is no HDF5 file"),
@@ -234,7 +235,7 @@ def test_what_is_no_table_exits_2(run, folder, lut, problem):
 def test_a_full_disk_exits_2(run):
     result = run("lut.h5", *ONE, "-o", "/dev/full")
     assert result.exit_code == 2
-    assert "/dev/full: cannot be written: No space left on device" in result.stderr
+    assert f"/dev/full: cannot be written: {NO_SPACE}" in result.stderr
 
 
 def test_a_closed_pipe_ends_quietly(folder):

@@ -1,6 +1,7 @@
 import json
 
 import pytest
+from system_words import NO_FILE
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -64,7 +65,7 @@ def test_check_goes_on_after_an_error(tmp_path, broken):
     assert result.stdout == f"{good}: ok, terrain asphalt\n"
     first, second = result.stderr.splitlines()
     assert first.startswith(f"Error: {broken}, line 7: friction_coefficient: -0.8 is not allowed; allowed: ")
-    assert second == f"{tmp_path / 'missing.yaml'}: cannot be read: No such file or directory"
+    assert second == f"{tmp_path / 'missing.yaml'}: cannot be read: {NO_FILE}"
 
 
 def test_check_takes_names_too():

@@ -5,14 +5,15 @@ import subprocess
 import sys
 import time
 
-from dask_cluster import PATIENCE, Cluster
+from dask_cluster import Cluster
+from patience import PATIENCE
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
 
 TABLE = (
     "--steps",
-    "velocity=.1,radius=1,heading=10",
+    "velocity=.01,radius=1,heading=10",
     "--velocity-mps",
     "1:2",
     "--radius-m",

@@ -7,6 +7,8 @@ import threading
 from pathlib import Path
 
 import pytest
+from patience import PATIENCE
+from system_words import NO_SPACE
 
 from trackctl.errors import OutputError
 from trackctl.files import atomic
@@ -118,7 +120,7 @@ def test_a_pipe_is_written_directly(tmp_path):
     reader = threading.Thread(target=lambda: read.append(pipe.read_text()), daemon=True)
     reader.start()
     write(pipe)
-    reader.join(timeout=10.0)
+    reader.join(timeout=PATIENCE)
     assert read == [NEW]
 
 
@@ -136,7 +138,7 @@ def test_a_redirected_standard_output_is_written_directly(tmp_path):
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
 def test_a_full_disk():
-    with pytest.raises(OutputError, match="/dev/full: cannot be written: No space left on device"):
+    with pytest.raises(OutputError, match=f"/dev/full: cannot be written: {NO_SPACE}"):
         write(Path("/dev/full"))
 
 
@@ -187,11 +189,11 @@ def test_of_files_that_belong_together_none_appears_where_the_disk_has_no_room_f
 
     def full(path):
         if path.suffix == suffix:
-            raise OSError(28, "No space left on device")
+            raise OSError(28, NO_SPACE)
         flush(path)
 
     monkeypatch.setattr(atomic, "flush_to_disk", full)
-    with pytest.raises(OutputError, match=rf"pair\{suffix}: cannot be written: No space left on device"):
+    with pytest.raises(OutputError, match=rf"pair\{suffix}: cannot be written: {NO_SPACE}"):
         write_pair(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
@@ -213,7 +215,7 @@ def test_only_one_of_many_writers_takes_a_free_name(tmp_path, monkeypatch):
         refuse(path, force)
         calls.count = getattr(calls, "count", 0) + 1
         if calls.count <= 2:
-            ready.wait(timeout=10.0)
+            ready.wait(timeout=PATIENCE)
 
     def take(text):
         try:

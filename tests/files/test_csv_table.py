@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import PATIENCE
+from system_words import IS_FOLDER, NO_FILE, NO_FOLDER
 
 from trackctl.errors import InputFileError
 from trackctl.files.csv_table import column, find_header, read_csv
@@ -89,8 +91,8 @@ def test_any_number_of_rows(table_of, rows):
         ("a,b,a\n1,2,3\n", "line 1: column 'a' is there twice"),
         ("a,b\n1,2\n3\n", "line 3: has 1 cells; the header has 2"),
         ("a,b\n1,2,3\n", "line 2: has 3 cells; the header has 2"),
-        ('a,b\n1,"2\n', "line 2: is no CSV: unexpected end of data"),
-        ("a,b\n1," + "x" * 200_000, "line 2: is no CSV: field larger than field limit"),
+        ('a,b\n1,"2\n', "line 2: is no CSV"),
+        ("a,b\n1," + "x" * 200_000, "line 2: is no CSV"),
         (b"a,b\n1,\0\n", "is binary or UTF-16"),
         (SIMPLE.encode("utf-16"), "is binary or UTF-16"),
         (b"a,b\n1,2\n3,\xff\n", "line 3: is no UTF-8 text"),
@@ -103,7 +105,7 @@ def test_what_is_no_table(table_of, content, problem):
 
 @pytest.mark.parametrize(
     ("path", "problem"),
-    [("none.csv", "No such file"), ("", "Is a directory"), ("file/x.csv", "Not a directory")],
+    [("none.csv", NO_FILE), ("", IS_FOLDER), ("file/x.csv", NO_FOLDER)],
 )
 def test_what_cannot_be_read(tmp_path, path, problem):
     (tmp_path / "file").touch()
@@ -124,7 +126,7 @@ def test_a_pipe(tmp_path):
     writer = threading.Thread(target=pipe.write_text, args=(SIMPLE,), daemon=True)
     writer.start()
     assert read_csv(pipe).columns["note"] == ["a", "b"]
-    writer.join(timeout=10.0)
+    writer.join(timeout=PATIENCE)
 
 
 @pytest.mark.parametrize(

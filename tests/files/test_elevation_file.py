@@ -2,16 +2,15 @@ import io
 import math
 import sys
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
+from system_words import NO_FILE
 
 from trackctl.errors import MapError, MissingLibraryError
 from trackctl.files.elevation_file import metres_per_degree, read_elevation
 from trackctl.files.map_file import read_planning_map
 
-DATA = Path(__file__).parent.parent / "data" / "maps"
 HEIGHTS = np.array([[7.0, 8.0, 9.0], [4.0, 5.0, 6.5]])  # the first row the top
 ESRI = "ncols 3\nnrows 2\nxllcorner 10\nyllcorner 20\ncellsize 2\nNODATA_value -9999\n7 8 9\n4 5 6.5\n"
 
@@ -230,16 +229,26 @@ def test_small_grids_of_metres_are_not_taken_for_degrees(tmp_path):
     assert (elevation.spacing_x, notes) == (0.05, ())
 
 
-def test_a_grid_in_capitals_of_landlab():
-    elevation, _ = read_elevation(DATA / "kootenai_1m.asc")
+def test_a_larger_grid_far_from_the_origin(tmp_path):
+    """As map projections have it, every digit kept."""
+    heights = 500.0 + 100.0 * np.random.default_rng(0).random((37, 50))
+    header = "NCOLS 50\nNROWS 37\nXLLCORNER 556440.0\nYLLCORNER 5394932.0\nCELLSIZE 1.0\nNODATA_VALUE -9999\n"
+    rows = "".join(" ".join(map(repr, row)) + "\n" for row in heights.tolist())
+    elevation, notes = read_elevation(file(tmp_path, "hill.asc", header + rows))
+    np.testing.assert_array_equal(elevation.height, heights[::-1])
+    assert (elevation.bounds, notes) == ((556440.0, 5394932.0, 556490.0, 5394969.0), ())
+
+
+def test_a_grid_in_capitals_of_landlab(data_of_others):
+    elevation, _ = read_elevation(data_of_others("dem/kootenai_1m.asc"))
     assert elevation.height.shape == (37, 50)
     assert elevation.bounds == (556440.0, 5394932.0, 556490.0, 5394969.0)
     assert elevation.height[-1, 0] == 543.340026855468977
 
 
-def test_a_geotiff_of_landlab():
+def test_a_geotiff_of_landlab(data_of_others):
     pytest.importorskip("tifffile")
-    found = read_planning_map(str(DATA / "DEM_10m.tif")).elevation
+    found = read_planning_map(str(data_of_others("dem/DEM_10m.tif"))).elevation
     assert found.height.shape == (53, 67)
     assert found.bounds == (317284.0, 3808476.0, 317284.0 + 670.0, 3808476.0 + 530.0)
     assert found.height[-1, :4].tolist() == [1668.0, 1669.0, 1671.0, 1674.0]
@@ -284,6 +293,14 @@ def test_geotiffs(tmp_path, tags, options):
     assert_is_the_hill(geotiff(tmp_path, tags, **options))
 
 
+def test_a_geotiff_is_a_map(tmp_path):
+    heights = np.random.default_rng(0).integers(1600, 1800, (53, 67)).astype(float)
+    tie = (33922, "d", 6, (0.0, 0.0, 0.0, 317284.0, 3809006.0, 0.0), True)
+    found = read_planning_map(str(geotiff(tmp_path, [SCALE, tie], heights))).elevation
+    assert found.bounds == (317284.0, 3808900.0, 317418.0, 3809006.0)
+    np.testing.assert_array_equal(found.height, heights[::-1])
+
+
 def test_a_geotiff_of_degrees_says_so(tmp_path):
     place = (33550, "d", 3, (1e-5, 1e-5, 0.0), True), (33922, "d", 6, (0, 0, 0, 10.0, 24.0, 0.0), True)
     elevation, (note,) = read_elevation(geotiff(tmp_path, [*place, directory((1024, 2))]))
@@ -317,12 +334,12 @@ def test_what_is_no_elevation_in_a_geotiff_is_refused(tmp_path, tags, heights, w
 def test_geotiff_without_its_library(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "tifffile", None)
     with pytest.raises(MissingLibraryError, match=r"pip install 'trackctl\[geo\]'"):
-        read_elevation(DATA / "DEM_10m.tif")
+        read_elevation(file(tmp_path, "hill.tif", "II*"))
 
 
 @pytest.mark.parametrize("ending", [".asc", ".npy", ".npz", ".tif"])
 def test_files_that_are_none(tmp_path, ending):
-    assert "No such file" in refusal(tmp_path / f"none{ending}")
+    assert NO_FILE in refusal(tmp_path / f"none{ending}")
     assert "is a folder" in refusal_of_folder(tmp_path / f"folder{ending}")
     refusal(file(tmp_path, f"empty{ending}", ""))
     refusal(file(tmp_path, f"text{ending}", "free as the wind\n"))
@@ -343,7 +360,7 @@ def test_a_file_cut_short_or_damaged_reads_or_is_refused(tmp_path, ending):
     elif ending == ".npz":
         np.savez_compressed(path, z=HEIGHTS, x=[1.0, 2.0, 3.0], y=[1.0, 2.0])
     else:
-        path.write_bytes((DATA / "DEM_10m.tif").read_bytes())
+        geotiff(tmp_path, [SCALE, TIE], np.random.default_rng(0).random((20, 30)))
     whole, random = path.read_bytes(), np.random.default_rng(0)
     for length in range(0, len(whole), max(len(whole) // 40, 1)):
         path.write_bytes(whole[:length])

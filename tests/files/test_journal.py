@@ -7,6 +7,7 @@ import tracemalloc
 from itertools import islice
 
 import pytest
+from system_words import FILE_TOO_LARGE, NO_FILE
 
 from trackctl.errors import InputFileError, OutputError
 from trackctl.files.journal import Journal, journal_path
@@ -163,7 +164,7 @@ def test_discard_removes_it(path):
 
 
 def test_a_missing_folder(tmp_path):
-    with pytest.raises(OutputError, match="No such file"):
+    with pytest.raises(OutputError, match=NO_FILE):
         Journal.create(tmp_path / "missing" / "lut.h5.partial", DIGEST, REQUEST)
 
 
@@ -174,7 +175,7 @@ def test_a_full_disk_keeps_the_blocks_before(path):
         size = os.path.getsize(path)
         resource.setrlimit(resource.RLIMIT_FSIZE, (size + 100, limits[1]))
         try:
-            with pytest.raises(OutputError, match="File too large"):
+            with pytest.raises(OutputError, match=FILE_TOO_LARGE):
                 journal.append(2, b"y" * 1000)
         finally:
             resource.setrlimit(resource.RLIMIT_FSIZE, limits)

@@ -6,6 +6,7 @@ import h5py
 import numpy as np
 import pytest
 from lut_examples import ATTRIBUTES, GRAVITY, TERRAIN, VEHICLE, example_table
+from system_words import NO_FILE
 
 from trackctl.errors import LutFormatError
 from trackctl.files.lut_reader import read_lut, read_lut_header
@@ -70,7 +71,7 @@ def test_header(path, monkeypatch, cells):
 
 
 def test_a_missing_file(tmp_path):
-    assert_refused(tmp_path / "none.h5", "No such file")
+    assert_refused(tmp_path / "none.h5", NO_FILE)
 
 
 def test_a_folder(tmp_path):

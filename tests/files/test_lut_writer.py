@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray
 from lut_examples import ATTRIBUTES, GRAVITY, TERRAIN, VEHICLE, example_table
+from system_words import FILE_TOO_LARGE, NO_SPACE
 
 from trackctl import __version__
 from trackctl.errors import OutputError
@@ -212,14 +213,14 @@ def test_a_full_disk_leaves_nothing(tmp_path, limit):
     done = run(DISK_FULL, tmp_path / "lut.h5", limit)
     assert done.stderr == ""
     assert done.returncode == 0
-    assert done.stdout.endswith("lut.h5: cannot be written: File too large\n")
+    assert done.stdout.endswith(f"lut.h5: cannot be written: {FILE_TOO_LARGE}\n")
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
 def test_a_full_device(table):
     with (
-        pytest.raises(OutputError, match="No space left on device"),
+        pytest.raises(OutputError, match=NO_SPACE),
         whole_file(Path("/dev/full"), True) as path,
     ):
         write_lut(path, table)

@@ -3,6 +3,7 @@ import os
 import numpy as np
 import pytest
 from PIL import Image
+from system_words import NO_FILE, NOT_PERMITTED
 
 from trackctl.errors import MapError
 from trackctl.files.map_image import read_image
@@ -72,7 +73,7 @@ def refusal(path):
 
 
 def test_what_is_no_image_file(tmp_path):
-    assert "No such file" in refusal(tmp_path / "missing.pgm")
+    assert NO_FILE in refusal(tmp_path / "missing.pgm")
     assert "is a folder" in refusal(tmp_path)
     text = tmp_path / "text.pgm"
     text.write_text("free as the wind\n")
@@ -92,7 +93,7 @@ def test_a_file_that_is_not_permitted(tmp_path):
     path = tmp_path / "map.pgm"
     path.write_bytes(b"P5 1 1 255\n0")
     path.chmod(0)
-    assert "Permission denied" in refusal(path)
+    assert NOT_PERMITTED in refusal(path)
 
 
 @pytest.mark.parametrize("size", [(4001, 4000), (10_000, 10_000), (200_000, 200_000)])

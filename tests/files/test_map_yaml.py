@@ -5,15 +5,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from PIL import Image
+from system_words import NO_FILE, NOT_PERMITTED
 
 from trackctl.errors import MapError
 from trackctl.files.map_file import read_planning_map
 from trackctl.geometry.circle import Circle
 
-DATA = Path(__file__).parent.parent / "data" / "maps"
+README = Path(__file__).parents[2] / "README.md"
 ROS = {
     "image": "map.pgm",
     "resolution": "0.05",
@@ -51,17 +52,33 @@ def test_a_map_of_ros(written):
     assert (found.start, found.slope, found.elevation, found.notes) == (None, None, None, ())
 
 
+@pytest.mark.parametrize("kind", ["pgm", "png", "bmp"])
+def test_a_turned_map_of_many_cells(written, tmp_path, kind):
+    """In shades as map_server writes them; the corners of the cells turn with the map."""
+    shades = np.random.default_rng(0).choice(np.array([0, 205, 254], np.uint8), (17, 11))
+    Image.fromarray(shades if kind == "pgm" else np.stack([shades] * 3, axis=-1)).save(tmp_path / f"turned.{kind}")
+    changes = {"image": f"turned.{kind}", "resolution": "0.1", "origin": "[2.0, 3.0, 1.0]"}
+    occupancy = read_planning_map(written(ROS | changes)).occupancy
+    expected = np.select([shades == 0, shades == 254], [100, 0], -1)
+    np.testing.assert_array_equal(occupancy.cells[::-1], expected)
+    across, up = 0.1 * 11, 0.1 * 17
+    np.testing.assert_allclose(
+        occupancy.frame.to_world(11.0, 17.0),
+        (2.0 + across * math.cos(1.0) - up * math.sin(1.0), 3.0 + across * math.sin(1.0) + up * math.cos(1.0)),
+    )
+
+
 @pytest.mark.parametrize(
     ("name", "shape", "occupied", "unknown"), [("testmap", (10, 10), 29, 0), ("TenByTen", (10, 10), 20, 2)]
 )
-def test_maps_of_nav2(name, shape, occupied, unknown):
-    cells = read_planning_map(str(DATA / f"{name}.yaml")).occupancy.cells
+def test_maps_of_nav2(data_of_others, name, shape, occupied, unknown):
+    cells = read_planning_map(str(data_of_others(f"maps/{name}.yaml"))).occupancy.cells
     assert cells.shape == shape
     assert ((cells == 100).sum(), (cells == -1).sum()) == (occupied, unknown)
 
 
-def test_a_turned_map_of_nav2():
-    frame = read_planning_map(str(DATA / "testmap.yaml")).occupancy.frame
+def test_a_turned_map_of_nav2(data_of_others):
+    frame = read_planning_map(str(data_of_others("maps/testmap.yaml"))).occupancy.frame
     np.testing.assert_allclose(
         frame.to_world(10.0, 10.0), (2.0 + math.cos(1.0) - math.sin(1.0), 3.0 + math.sin(1.0) + math.cos(1.0))
     )
@@ -141,7 +158,7 @@ def test_elevation_grids_beside_a_map(written):
     [
         ({"image": None}, "missing keys of a map with an image: image"),
         ({"negate": None, "origin": None}, "missing keys of a map with an image: origin, negate"),
-        ({"image": "nowhere.pgm"}, "/nowhere.pgm: cannot be read: No such file or directory"),
+        ({"image": "nowhere.pgm"}, f"/nowhere.pgm: cannot be read: {NO_FILE}"),
         ({"image": "."}, "is a folder; allowed: a file"),
         ({"image": "/dev/zero"}, "/dev/zero: is no regular file"),
         ({"image": '""'}, "line 1: image: is empty"),
@@ -184,7 +201,7 @@ def test_elevation_grids_beside_a_map(written):
         ({"slope_deg": "5", "elevation": "hill.asc"}, "line 7: slope_deg: stands beside elevation"),
         ({"elevation": "hill.npy"}, "hill.npy: does not tell how far apart its heights are"),
         ({"elevation": "hill.txt"}, "hill.txt: is of no known kind; allowed: .asc"),
-        ({"elevation": "none.asc"}, "none.asc: cannot be read: No such file"),
+        ({"elevation": "none.asc"}, f"none.asc: cannot be read: {NO_FILE}"),
         ({"bounds_m": "[0, 0, 1, 1]"}, "line 7: bounds_m: stands beside image or elevation"),
         ({"vehicle": "[a]"}, "line 7: vehicle: a list is no text"),
         ({"obstacles": "[1, 2]"}, "line 7: obstacles: is no mapping"),
@@ -257,7 +274,7 @@ MUTATIONS = st.lists(
 )
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=300)
 @given(MUTATIONS)
 def test_a_changed_map_reads_or_is_refused_in_one_line(written, mutations):
     text = WHOLE
@@ -274,12 +291,12 @@ def test_a_changed_map_reads_or_is_refused_in_one_line(written, mutations):
 def test_a_map_that_is_not_permitted(written):
     path = Path(written(ROS))
     path.chmod(0)
-    with pytest.raises(MapError, match="Permission denied"):
+    with pytest.raises(MapError, match=NOT_PERMITTED):
         read_planning_map(str(path))
 
 
 def test_the_map_of_the_readme_reads(written):
-    section = (DATA.parent.parent.parent / "README.md").read_text().partition("## Maps")[2]
+    section = README.read_text().partition("## Maps")[2]
     text = section.partition("```yaml\n")[2].partition("```")[0]
     one_ground = "".join(line for line in text.splitlines(keepends=True) if not line.startswith("elevation"))
     found = read_planning_map(written({}, one_ground))

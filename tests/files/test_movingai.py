@@ -1,12 +1,10 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
+from system_words import NO_FILE
 
 from trackctl.errors import MapError
 from trackctl.files.map_file import read_planning_map
 
-ROOM = Path(__file__).parent.parent / "data" / "maps" / "room-32-32-4.map"
 SMALL = "type octile\nheight 2\nwidth 4\nmap\n.G@T\nSWO.\n"
 
 
@@ -23,12 +21,21 @@ def test_cells_of_all_kinds_the_top_row_last(tmp_path):
         assert (occupancy.frame.resolution, occupancy.frame.x, occupancy.frame.y) == (1.0, 0.0, 0.0)
 
 
-def test_a_room_of_the_benchmark():
-    cells = read_planning_map(str(ROOM)).occupancy.cells
-    lines = ROOM.read_text().splitlines()[4:]
+def test_a_map_of_every_letter(tmp_path):
+    """The format's (x, y) = (column, row from the top)."""
+    letters = np.random.default_rng(0).choice(list(".GS@OTW"), (23, 32))
+    rows = "".join(f"{''.join(row)}\n" for row in letters)
+    cells = read_planning_map(written(tmp_path, f"type octile\nheight 23\nwidth 32\nmap\n{rows}")).occupancy.cells
+    assert np.array_equal(cells[::-1] == 0, np.isin(letters, [".", "G", "S"]))
+    assert np.isin(cells, (0, 100)).all()
+
+
+def test_a_room_of_the_benchmark(data_of_others):
+    room = data_of_others("movingai/room-32-32-4.map")
+    cells = read_planning_map(str(room)).occupancy.cells
+    lines = room.read_text().splitlines()[4:]
     assert cells.shape == (32, 32)
     assert (cells == 0).sum() == 682
-    # The format's (x, y) = (column, row from the top).
     for x, y in ((3, 22), (18, 13), (0, 0), (31, 31)):
         assert (cells[31 - y, x] == 0) == (lines[y][x] == ".")
 
@@ -69,5 +76,5 @@ def test_damaged_maps_read_or_are_refused(tmp_path):
 
 
 def test_a_missing_map_is_refused(tmp_path):
-    with pytest.raises(MapError, match="No such file"):
+    with pytest.raises(MapError, match=NO_FILE):
         read_planning_map(str(tmp_path / "none.map"))

@@ -1,8 +1,10 @@
 """Small real inputs for every command."""
 
 import pytest
+from shear_log import shear_log
+from slip_simulation import as_csv
 from typer.testing import CliRunner
-from writing_commands import LOG, SMALL_TABLE
+from writing_commands import SMALL_TABLE
 
 from trackctl.cli.app import app
 
@@ -19,13 +21,14 @@ def run():
 def inputs(run, tmp_path_factory):
     """Paths by name, as the words of `COMMANDS` want them."""
     folder = tmp_path_factory.mktemp("inputs")
-    names = ("lut.h5", "map.yaml", "points.csv", "slip.yaml", "sweep.csv")
-    paths = {"log": LOG, **{name: folder / name for name in names}}
+    names = ("log.csv", "lut.h5", "map.yaml", "points.csv", "slip.yaml", "sweep.csv")
+    paths = {name: folder / name for name in names}
+    paths["log.csv"].write_text(as_csv(shear_log("utv-61cm", "asphalt", 1.8)[0]))
     paths["map.yaml"].write_text(MAP)
     paths["points.csv"].write_text(POINTS)
     for words in (
         ["compute-lut", *SMALL_TABLE.split(), "--jobs", "1", "-o", paths["lut.h5"]],
-        ["identify", LOG, "--vehicle", "husky", "--save", paths["slip.yaml"]],
+        ["identify", paths["log.csv"], "--vehicle", "utv-61cm", "--save", paths["slip.yaml"]],
         ["sweep", "--slope-deg", "3,5", "--heading-deg", "0:360:30", "-o", paths["sweep.csv"]],
     ):
         result = run(map(str, words))

@@ -15,6 +15,8 @@ from trackctl.workflows.operating_points import read_points
 from trackctl.workflows.plot import csv_picture
 
 ROOT = Path(__file__).parent.parent.parent
+HEADER = b"NCOLS 5\nNROWS 8\nXLLCORNER 556440.0\nYLLCORNER 5394932.0\nCELLSIZE 1.0\nNODATA_VALUE -9999\n"
+GROUND = HEADER + 8 * b"543.340026855468977 -9999 544 5.41e2 543.5\n"
 
 
 def read_journal(path):
@@ -51,7 +53,7 @@ def real_files(inputs, folder):
         "sweep.csv": Path(inputs["sweep"]).read_bytes(),
         "commands.csv": b"time_s,track_speed_left_mps,track_speed_right_mps\n0,0.1,0.2\n1,0.1,0.2\n2,0.3,0.1\n",
         "map.yaml": Path(inputs["map"]).read_bytes(),
-        "ground.asc": (ROOT / "tests" / "data" / "maps" / "kootenai_1m.asc").read_bytes(),
+        "ground.asc": GROUND,
         "path.csv": b"x_m,y_m,speed_mps\n0,0,1\n20,0,1\n40,10,1\n60,10,1\n",
         "log.csv": b"".join(Path(inputs["log"]).read_bytes().splitlines(keepends=True)[:40]),
         "lut.h5.partial": (folder / "lut.h5.partial").read_bytes(),

@@ -4,8 +4,9 @@ import subprocess
 import sys
 
 import pytest
-from hypothesis import HealthCheck, example, given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from patience import PATIENCE
 from readers import READERS, real_files
 
 from trackctl.errors import TrackctlError
@@ -53,7 +54,7 @@ def test_the_real_file_is_read(reader, real, tmp_path):
 
 
 @pytest.mark.parametrize("reader", READERS)
-@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150)
 @given(changes=CHANGES)
 @example(changes=[(0.0, 10**6, b"")])
 def test_a_damaged_file_is_read_or_refused(reader, real, tmp_path, changes):
@@ -66,7 +67,7 @@ def test_a_damaged_file_is_read_or_refused(reader, real, tmp_path, changes):
 
 
 @pytest.mark.parametrize("reader", READERS)
-@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=60)
 @given(content=st.binary(max_size=300))
 def test_any_bytes_are_read_or_refused(reader, tmp_path, content):
     read, name = READERS[reader]
@@ -105,6 +106,8 @@ print(refused)
 def test_damaged_tables_neither_crash_nor_raise_anything_else(inputs, tmp_path):
     """In a process of its own, as HDF5 is C."""
     words = (inputs["lut"], str(tmp_path / "damaged.h5"), "1", "300")
-    run = subprocess.run([sys.executable, "-c", DAMAGED_TABLES, *words], capture_output=True, text=True, timeout=300)
+    run = subprocess.run(
+        [sys.executable, "-c", DAMAGED_TABLES, *words], capture_output=True, text=True, timeout=PATIENCE
+    )
     assert run.returncode == 0, run.stderr[-2000:]
     assert int(run.stdout) > 100

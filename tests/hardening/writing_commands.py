@@ -1,9 +1,7 @@
 """Every command that writes a file, on small inputs: a row here is tried on full disks and in closed folders."""
 
 from dataclasses import dataclass
-from pathlib import Path
 
-LOG = Path(__file__).parent.parent / "data" / "identification" / "husky_chained_fresh.csv"
 SMALL_TABLE = "--steps velocity=.5,radius=9,heading=60 --velocity-mps 0.5:1.5 --radius-m 1:19"
 
 
@@ -32,10 +30,10 @@ COMMANDS = {
     "plan": Writing("plan {map} --iterations 20 --jobs 1"),
     "plan --plot": Writing("plan {map} --iterations 20 --jobs 1", ".png", "--plot"),
     "forces": Writing("forces"),
-    "identify": Writing("identify {log} --vehicle husky"),
-    "identify --save": Writing("identify {log} --vehicle husky", ".yaml", "--save"),
-    "predict": Writing("predict {log} --vehicle husky --slip {slip}"),
-    "calibrate": Writing("calibrate {log} --vehicle husky", ".yaml"),
+    "identify": Writing("identify {log} --vehicle utv-61cm"),
+    "identify --save": Writing("identify {log} --vehicle utv-61cm", ".yaml", "--save"),
+    "predict": Writing("predict {log} --vehicle utv-61cm --slip {slip}"),
+    "calibrate": Writing("calibrate {log} --vehicle utv-61cm", ".yaml"),
     "plot": Writing("plot {sweep}", ".pdf"),
     "profiles new": Writing("profiles new vehicle", ".yaml"),
 }

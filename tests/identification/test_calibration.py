@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 from slip_simulation import step
@@ -13,7 +11,6 @@ from trackctl.mechanics.operating_point import OperatingPoint
 from trackctl.mechanics.parameters import track_model
 from trackctl.mechanics.quadrature import rules
 
-TABLE = Path(__file__).parent.parent / "data" / "identification" / "tracked_ugv_sim_mu0p4.csv"
 VEHICLE = load_vehicle("tracked-ugv-61kg")
 ASSUMED = track_model(VEHICLE, load_terrain("asphalt"))
 #: Friction, K and resistance.
@@ -109,9 +106,9 @@ def test_driving_backward_is_driving_forward_the_other_way():
         assert there.estimates[name].value == pytest.approx(estimate.value, rel=1e-3)
 
 
-def test_other_peoples_simulation():
+def test_other_peoples_simulation(data_of_others):
     """A table made with friction 0.4, by a model of the same kind whose yaw rates differ by up to 3 %."""
-    table = np.genfromtxt(TABLE, delimiter=",", names=True)
+    table = np.genfromtxt(data_of_others("slip_tables/tracked_ugv_sim_mu0p4.csv"), delimiter=",", names=True)
     speeds = np.column_stack((table["track_speed_left_mps"], table["track_speed_right_mps"]))
     names = ("forward_velocity_mps", "lateral_velocity_mps", "yaw_rate_radps")
     twists = np.column_stack([table[name] for name in names])

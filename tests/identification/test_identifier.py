@@ -1,7 +1,6 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
+from shear_log import shear_log
 from slip_simulation import (
     GAUGE,
     abrupt_change,
@@ -13,12 +12,14 @@ from slip_simulation import (
     reductions,
 )
 
+from trackctl.files.profile_yaml import load_vehicle
 from trackctl.identification.identifier import FilterSettings, LearnedSlip, LogFilter, prior_std
 from trackctl.identification.slip_model import SlipModel
 
-DATA = Path(__file__).parent.parent / "data" / "identification"
-HUSKY, HUSKY_GAUGE = DATA / "husky_chained_fresh.csv", 0.55
-WARTHOG, WARTHOG_GAUGE = DATA / "warthog_chained_fresh.csv", 1.08
+HUSKY, HUSKY_GAUGE = "logs/husky_chained_fresh.csv", 0.55
+WARTHOG, WARTHOG_GAUGE = "logs/warthog_chained_fresh.csv", 1.08
+#: Vehicle, terrain and fastest track speed [m/s] of simulated logs.
+SHEARED = {"small": ("utv-61cm", "asphalt", 1.8), "fast": ("m113", "hard-soil", 4.0)}
 NAN = np.nan
 PRIOR = prior_std(FilterSettings(GAUGE))
 
@@ -88,9 +89,39 @@ def test_a_position_outage_in_the_midst():
     assert (reductions(mean_errors(updates)) > 60.0).all()
 
 
-def test_real_log():
+@pytest.mark.parametrize("which", SHEARED)
+def test_ground_that_shears(which):
+    """Slip that no model of the filter makes: the default one is no worse than constant ICRs, and finds the true ICRs.
+
+    Without slip the outer ones would be off by a sixth of the gauge.
+    """
+    gauge = load_vehicle(SHEARED[which][0]).track_gauge
+    for seed in range(3):
+        rows, icrs = shear_log(*SHEARED[which], seed=seed)
+        updates, learner = learn(rows, gauge)
+        found = reductions(mean_errors(updates))
+        assert (found >= [70.0, 65.0]).all()
+        assert (found >= reductions(mean_errors(learn(rows, gauge, "constant")[0])) - 4.0).all()
+        assert learner.resets == 0
+        off = np.abs(updates["icr"] - icrs)[updates["pose"]["time"] > 30.0]
+        assert (np.nanmedian(off, axis=0) < 0.03 * gauge).all()
+
+
+def test_encoders_of_a_wrong_scale():
+    """What ICRs cannot show, speed factors do; those of straight driving hold the slip of a percent or two as well."""
+    gauge = load_vehicle(SHEARED["small"][0]).track_gauge
+    for seed in range(3):
+        rows, icrs = shear_log(*SHEARED["small"], seed=seed, read_over_true=1.15)
+        updates, learner = learn(rows, gauge, "factors")
+        assert reductions(mean_errors(updates))[0] >= reductions(mean_errors(learn(rows, gauge)[0]))[0] + 20.0
+        assert learner.learned().p[9:] == pytest.approx([1.0 / 1.15 - 1.0] * 2, abs=0.03)
+        off = np.abs(updates["icr"] - icrs)[updates["pose"]["time"] > 30.0]
+        assert (np.nanmedian(off, axis=0) < 0.05 * gauge).all()
+
+
+def test_real_log(data_of_others):
     """The default filter is no worse than constant ICRs, and both far better than none; speed factors help more."""
-    rows = np.loadtxt(HUSKY, delimiter=",", skiprows=1)
+    rows = np.loadtxt(data_of_others(HUSKY), delimiter=",", skiprows=1)
     position, heading = reductions(mean_errors(learn(rows, HUSKY_GAUGE)[0]))
     constant = reductions(mean_errors(learn(rows, HUSKY_GAUGE, "constant")[0]))
     assert position >= 47.0
@@ -99,12 +130,12 @@ def test_real_log():
     assert reductions(mean_errors(learn(rows, HUSKY_GAUGE, "factors")[0]))[0] >= position + 2.0
 
 
-def test_a_faster_vehicle():
+def test_a_faster_vehicle(data_of_others):
     """At four times the Husky's speed, too, what depends on the motion must not spoil what constant ICRs tell."""
-    rows = np.loadtxt(WARTHOG, delimiter=",", skiprows=1)
+    rows = np.loadtxt(data_of_others(WARTHOG), delimiter=",", skiprows=1)
     updates, learner = learn(rows, WARTHOG_GAUGE)
     constant = reductions(mean_errors(learn(rows, WARTHOG_GAUGE, "constant")[0]))
-    assert (reductions(mean_errors(updates)) >= constant - 6.0).all()
+    assert (reductions(mean_errors(updates)) >= constant - [2.0, 5.0]).all()
     assert learner.resets == 0
 
 

@@ -1,10 +1,13 @@
 """`compute-lut` on a real Dask scheduler with workers in other processes."""
 
+import logging
 import socket
+import subprocess
 import sys
 
 import pytest
-from dask_cluster import PATIENCE, Cluster
+from dask_cluster import Cluster
+from patience import PATIENCE
 from table_runs import StoppedError, compiled, stop_after
 
 from trackctl.errors import MissingLibraryError, UsageError, WorkerError
@@ -105,7 +108,6 @@ def test_a_worker_is_no_scheduler(machines):
 def test_without_workers_it_gives_up_after_a_while_and_without_its_scheduler_at_once(tmp_path, monkeypatch):
     told = []
     monkeypatch.setattr(module, "WORKERLESS_TIMEOUT", 2.0)
-    monkeypatch.setattr(module, "CONNECT_TIMEOUT", 1.0)
     with Cluster(tmp_path) as machines, cluster(machines.address, told.append) as crew:
         with pytest.raises(WorkerError, match=r"no worker at tcp://.* for 2 s; start one: dask worker; .*--resume"):
             compiled(tmp_path / "lut.h5", crew=crew)
@@ -113,6 +115,37 @@ def test_without_workers_it_gives_up_after_a_while_and_without_its_scheduler_at_
         machines.kill("scheduler")
         with pytest.raises(WorkerError):
             compiled(tmp_path / "lut.h5", crew=crew, resume=True)
+
+
+TROUBLE = """
+import asyncio, sys
+from trackctl.workflows.cluster import cluster
+
+def trouble():
+    raise RuntimeError("words of a library")
+
+async def tried():
+    asyncio.get_running_loop().call_exception_handler({"message": "more words"})
+    await asyncio.sleep(0.0)
+
+with cluster(sys.argv[1], print) as crew:
+    client = crew.executor._client
+    client.loop.add_callback(trouble)
+    client.sync(tried)
+print("done")
+"""
+
+
+def test_what_goes_wrong_within_the_library_is_not_printed(machines):
+    run = subprocess.run([sys.executable, "-c", TROUBLE, machines.address], capture_output=True, text=True)
+    assert (run.returncode, run.stdout, run.stderr) == (0, "done\n", "")
+
+
+def test_loggers_are_as_before(machines):
+    levels = [logging.getLogger(name).level for name in module.LOGGERS]
+    with cluster(machines.address, print):
+        assert logging.getLogger("distributed.core").getEffectiveLevel() > logging.CRITICAL
+    assert [logging.getLogger(name).level for name in module.LOGGERS] == levels
 
 
 @pytest.mark.parametrize("address", ["", "nonsense", "host:port", "ftp://127.0.0.1:1", "tcp://"])

@@ -60,7 +60,7 @@ def test_what_threads_began_processes_finish(tmp_path, whole):
 def test_an_executor_that_takes_no_work_is_told(tmp_path):
     with processes(1) as (_, crew):
         pass
-    with pytest.raises(WorkerError, match="the workers failed: RuntimeError: cannot schedule new futures"):
+    with pytest.raises(WorkerError, match="the workers failed: RuntimeError"):
         compiled(tmp_path / "lut.h5", crew=crew)
     assert [path.name for path in tmp_path.iterdir()] == ["lut.h5.partial"]
 

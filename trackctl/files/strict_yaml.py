@@ -18,6 +18,7 @@ STDIN_LABEL = "<stdin>"
 PROFILE_HINT = "; `trackctl profiles new` writes a template"
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 8
+TOO_DEEP = f"nested more than {MAX_DEPTH} deep"
 
 _NUMBER_TAGS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _TEXT_TAG = "tag:yaml.org,2002:str"
@@ -75,8 +76,9 @@ def read_entries(text: str, file: str, hint: str = PROFILE_HINT) -> dict[str, En
         _check_plain(text, file)
         root = yaml.compose(text, Loader=yaml.CSafeLoader)
     except yaml.MarkedYAMLError as error:
-        line = _line(error.problem_mark or error.context_mark)
-        raise ProfileError(file, f"is not valid YAML: {error.problem or error.context}", line) from error
+        mark = error.problem_mark or error.context_mark
+        problem = f"is not valid YAML: {error.problem or error.context}"
+        raise ProfileError(file, TOO_DEEP if _is_deep_at(text, mark) else problem, _line(mark)) from error
     except yaml.YAMLError as error:
         raise ProfileError(file, f"is not valid YAML: {str(error).splitlines()[0]}") from error
     if root is None:
@@ -135,11 +137,17 @@ def _check_plain(text: str, file: str) -> None:
             raise ProfileError(file, problem, _line(event.start_mark))
 
 
+def _is_deep_at(text: str, mark: Any) -> bool:
+    """Whether a parser that gave up at a mark may have met a limit of its own: it reads a line ahead of its events."""
+    line = text[: mark.index if mark else 0].rpartition("\n")[2]
+    return sum(map(line.count, "[{")) - sum(map(line.count, "]}")) > MAX_DEPTH
+
+
 def _event_problem(event: yaml.Event, depth: int, documents: int) -> str | None:
     if documents > 1:
         return "a second YAML document starts here; allowed: one"
     if depth > MAX_DEPTH:
-        return f"nested more than {MAX_DEPTH} deep"
+        return TOO_DEEP
     for name, what in (("anchor", "anchors and aliases"), ("tag", "tags")):
         if getattr(event, name, None) is not None:
             return f"YAML {what} ({getattr(event, name)}) are not allowed"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
@@ -19,6 +19,8 @@ CONNECT_TIMEOUT = 5.0
 WORKERLESS_TIMEOUT = 300.0
 #: How often the scheduler is asked for its workers. [s]
 REFRESH = 1.0
+#: Where Dask and what it stands on report; those named beside their parent have a level of their own.
+LOGGERS = ("distributed", "distributed.client", "distributed.gc", "tornado", "tornado.application", "asyncio")
 
 
 class Roster:
@@ -90,14 +92,29 @@ def cluster(address: str, tell: Callable[[str], None]) -> Iterator[Crew]:
     except ModuleNotFoundError as error:
         raise MissingLibraryError("distributed", "--scheduler", INSTALL) from error
 
-    refuse_strangers(address)
-    with Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False) as client:
-        # It tells the loss of its scheduler in its own words, too.
-        logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
-        roster = Roster(address, lambda: threads_of(client), tell)
-        # Import and attribute errors, also wrapped, are those of machines without this trackctl.
-        failures = (KilledWorker, RuntimeError, ImportError, AttributeError)
-        yield Crew(client.get_executor(pure=False), roster, failures)
+    with silence(LOGGERS):
+        refuse_strangers(address)
+        with Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False) as client:
+            roster = Roster(address, lambda: threads_of(client), tell)
+            # Import and attribute errors, also wrapped, are those of machines without this trackctl.
+            failures = (KilledWorker, RuntimeError, ImportError, AttributeError)
+            yield Crew(client.get_executor(pure=False), roster, failures)
+
+
+@contextmanager
+def silence(names: Iterable[str]) -> Iterator[None]:
+    """Let loggers say nothing for a while: what becomes of a run is told in our words, once.
+
+    A run that is stopped or loses its scheduler leaves callbacks behind that log tracebacks of their own.
+    """
+    levels = {logger: logger.level for logger in map(logging.getLogger, names)}
+    for logger in levels:
+        logger.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        for logger, level in levels.items():
+            logger.setLevel(level)
 
 
 def refuse_strangers(address: str) -> None:
