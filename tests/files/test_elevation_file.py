@@ -1,3 +1,4 @@
+import errno
 import io
 import math
 import sys
@@ -329,6 +330,16 @@ def test_unknown_heights_of_a_geotiff(tmp_path):
 )
 def test_what_is_no_elevation_in_a_geotiff_is_refused(tmp_path, tags, heights, words):
     assert words in refusal(geotiff(tmp_path, tags, heights))
+
+
+def test_the_systems_reason_is_told(tmp_path, monkeypatch):
+    class FailingFile(io.FileIO):
+        def readinto(self, buffer):
+            raise OSError(errno.EIO, "Input/output error")
+
+    path = geotiff(tmp_path, [SCALE, TIE])
+    monkeypatch.setattr(Path, "open", lambda path, mode: io.BufferedReader(FailingFile(path, mode)))
+    assert refusal(path) == f"{path}: cannot be read: Input/output error"
 
 
 def test_geotiff_without_its_library(tmp_path, monkeypatch):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from lut_examples import ATTRIBUTES, GRAVITY, TERRAIN, VEHICLE, example_table
 from system_words import NO_FILE
+from systems import needs_pipe
 
 from trackctl.errors import LutFormatError
 from trackctl.files.lut_reader import read_lut, read_lut_header
@@ -70,6 +71,12 @@ def test_header(path, monkeypatch, cells):
     assert header.status_counts == {Status.CONVERGED: table.axes.size - 5, **others}
 
 
+@pytest.mark.parametrize("locking", [None, False])
+def test_a_table_that_this_program_has_open_already(path, locking):
+    with h5py.File(path, "r", locking=locking):
+        assert read_lut(path).vehicle == VEHICLE
+
+
 def test_a_missing_file(tmp_path):
     assert_refused(tmp_path / "none.h5", NO_FILE)
 
@@ -78,6 +85,7 @@ def test_a_folder(tmp_path):
     assert_refused(tmp_path, "is a folder")
 
 
+@needs_pipe
 def test_a_pipe(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     assert_refused(tmp_path / "pipe", "is a folder, device or pipe")

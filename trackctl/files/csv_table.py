@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.errors import InputFileError
+from trackctl.files.read_errors import read_errors
 from trackctl.units import accepted_keys
 
 Array = NDArray[np.float64]
@@ -164,10 +165,8 @@ def cell_error(table: CsvTable, header: str, row: int, allowed: str) -> InputFil
 
 def read_text_bytes(source: Path | str, file: str) -> bytes:
     """Content of a file or standard input, checked to be UTF-8 text."""
-    try:
+    with read_errors(file):
         content = sys.stdin.buffer.read() if str(source) == STDIN else Path(source).read_bytes()
-    except OSError as error:
-        raise InputFileError(file, f"cannot be read: {error.strerror}") from error
     if b"\0" in content:
         raise InputFileError(file, "is binary or UTF-16; allowed: a CSV table in UTF-8")
     try:

@@ -14,6 +14,7 @@ import numpy as np
 
 from trackctl.errors import MapError, MissingLibraryError
 from trackctl.files.height_grid import MAX_NODES, HeightGrid, check_size, known_heights
+from trackctl.files.read_errors import why_unreadable
 from trackctl.files.regular_file import check_regular
 
 #: Tags of GeoTIFF 1.1 and, the last, of GDAL.
@@ -44,10 +45,10 @@ def read_geotiff(path: Path) -> HeightGrid:
     # What it has to say of a damaged file, the error says.
     logging.getLogger("tifffile").setLevel(logging.CRITICAL)
     try:
-        with warnings.catch_warnings(action="ignore"), tifffile.TiffFile(path) as tiff:
+        with warnings.catch_warnings(action="ignore"), path.open("rb") as stream, tifffile.TiffFile(stream) as tiff:
             return _grid(path, tiff.pages[0])
     except DAMAGE as error:
-        raise MapError(path, f"cannot be read as a GeoTIFF: {str(error)[:200]}") from error
+        raise MapError(path, why_unreadable(error, "cannot be read as a GeoTIFF")) from error
 
 
 def _grid(path: Path, page: Any) -> HeightGrid:

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from trackctl.errors import InputFileError
 from trackctl.files.csv_table import STDIN, STDIN_LABEL, CsvTable, checked_header, find_header
+from trackctl.files.read_errors import read_errors
 from trackctl.units import accepted_keys
 
 Array = NDArray[np.float64]
@@ -208,12 +209,9 @@ def text_of(content: bytes, file: str, line: int) -> str:
 
 def chunks(source: Path | str, file: str) -> Iterator[bytes]:
     """Bytes as they come."""
-    try:
-        with opened(source) as stream:
-            while chunk := stream.read1(BLOCK_BYTES):
-                yield chunk
-    except OSError as error:
-        raise InputFileError(file, f"cannot be read: {error.strerror}") from error
+    with read_errors(file), opened(source) as stream:
+        while chunk := stream.read1(BLOCK_BYTES):
+            yield chunk
 
 
 @contextmanager

@@ -72,7 +72,7 @@ def parts_of(dataset: h5py.Dataset) -> Iterator[Array]:
 def read_sensitivity(path: Path) -> StoredSensitivity | None:
     """The sensitivity analysis in a table, None where its steps come from elsewhere; errors as above."""
     with opened_lut(path) as file:
-        group = file.get(layout.SENSITIVITY)
+        group = netcdf.present(file, layout.SENSITIVITY)
         if group is None:
             return None
         labels = [find_labels(path, group, name) for name in INDEX_DIMENSIONS]
@@ -91,7 +91,7 @@ def read_sensitivity(path: Path) -> StoredSensitivity | None:
 
 def find_labels(path: Path, group: h5py.Group, name: str) -> list[str]:
     """The texts of a coordinate of the analysis."""
-    dataset = group.get(name)
+    dataset = netcdf.present(group, name)
     if not isinstance(dataset, h5py.Dataset) or dataset.ndim != 1 or not h5py.check_string_dtype(dataset.dtype):
         raise LutFormatError(path, f"{layout.SENSITIVITY}/{name}: is missing or no list of texts")
     return [str(text) for text in dataset.asstr()]

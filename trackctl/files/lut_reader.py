@@ -18,6 +18,7 @@ from trackctl.files import lut_format as layout
 from trackctl.files import netcdf
 from trackctl.files.heap_check import has_endless_heap
 from trackctl.files.profile_yaml import parse_terrain, parse_vehicle
+from trackctl.files.read_errors import read_errors, why_unreadable
 from trackctl.lut.axes import FULL_CIRCLE, Array, Axes
 from trackctl.lut.table import VARIABLES, Status, Table
 from trackctl.profiles.terrain import TerrainProfile
@@ -94,41 +95,49 @@ def opened_lut(path: Path) -> Iterator[h5py.File]:
     """An open table of a version that can be read; damage met inside the block becomes a `LutFormatError`."""
     check_is_hdf5(path)
     try:
-        with h5py.File(path, "r") as file:
+        with opened_hdf5(path) as file:
             check_version(path, file)
             yield file
     except DAMAGE as error:
-        raise LutFormatError(path, f"is damaged or cut off: {error}") from error
+        raise LutFormatError(path, why_unreadable(error, "is damaged or cut off")) from error
+
+
+def opened_hdf5(path: Path) -> h5py.File:
+    """A file open for reading, which needs no lock: tables are replaced whole."""
+    try:
+        # Locked, for HDF5 opens no file twice in different ways, and others in this program may have it open.
+        return h5py.File(path, "r")
+    except OSError:
+        return h5py.File(path, "r", locking=False)
 
 
 def check_is_hdf5(path: Path) -> None:
     """Refuse what is no HDF5 file, before HDF5 sees it."""
-    try:
+    with read_errors(path, LutFormatError):
         if path.exists() and not path.is_file():
             raise LutFormatError(path, "is a folder, device or pipe; a table is a file")
         with path.open("rb") as stream:
             is_empty = not stream.read(1)
-    except OSError as error:
-        raise LutFormatError(path, f"cannot be read: {error.strerror}") from error
-    if is_empty:
-        raise LutFormatError(path, "is empty; `trackctl compute-lut` writes a table")
-    if not is_hdf5(path):
-        raise LutFormatError(path, "is no HDF5 file; `trackctl compute-lut` writes a table")
-    if has_endless_heap(path):
-        raise LutFormatError(path, "is damaged: a heap of texts has no end")
+        if is_empty:
+            raise LutFormatError(path, "is empty; `trackctl compute-lut` writes a table")
+        if not is_hdf5(path):
+            raise LutFormatError(path, "is no HDF5 file; `trackctl compute-lut` writes a table")
+        if has_endless_heap(path):
+            raise LutFormatError(path, "is damaged: a heap of texts has no end")
 
 
 def is_hdf5(path: Path) -> bool:
-    """Whether a path is a file that HDF5 would open."""
-    return path.is_file() and bool(h5py.is_hdf5(path))
+    """Whether a path is a file that HDF5 would open; errors as of `read_lut`."""
+    with read_errors(path, LutFormatError):
+        return path.is_file() and bool(h5py.is_hdf5(path))
 
 
 def check_version(path: Path, file: h5py.File) -> None:
     """Refuse other HDF5 files, and tables of a later format."""
-    filetype = netcdf.plain_attribute(file.attrs.get("filetype"))
+    filetype = netcdf.plain_attribute(netcdf.present(file.attrs, "filetype"))
     if filetype != layout.FILETYPE:
         raise LutFormatError(path, f"filetype: {filetype!r} is not allowed; allowed: {layout.FILETYPE!r}")
-    version = netcdf.plain_attribute(file.attrs.get("version"))
+    version = netcdf.plain_attribute(netcdf.present(file.attrs, "version"))
     if version != layout.VERSION:
         hint = "; a later trackctl reads it" if isinstance(version, int) and version > layout.VERSION else ""
         raise LutFormatError(path, f"version: {version!r} is not allowed; allowed: {layout.VERSION}{hint}")
@@ -139,7 +148,7 @@ def read_axes(path: Path, file: h5py.File) -> Axes:
     slope, velocity, curvature, heading = (read_coordinate(path, file, name) for name in layout.COORDINATES)
     if not np.any(curvature == 0.0):
         raise LutFormatError(path, "curvature: 0 (straight) is missing")
-    periodic = netcdf.plain_attribute(file["heading"].attrs.get(layout.PERIODIC))
+    periodic = netcdf.plain_attribute(netcdf.present(file["heading"].attrs, layout.PERIODIC))
     if periodic not in (0, 1):
         raise LutFormatError(path, f"heading: attribute {layout.PERIODIC} is {periodic!r}; allowed: 0, 1")
     even = heading[0] + np.arange(heading.size) * FULL_CIRCLE / heading.size
@@ -167,14 +176,14 @@ def find_variable(path: Path, file: h5py.File, name: str, axes: Axes) -> h5py.Da
     dataset = find_dataset(path, file, name, layout.DTYPES[name])
     if dataset.shape != axes.shape:
         raise LutFormatError(path, f"{name}: shape {dataset.shape}; the axes have {axes.shape}")
-    if name == layout.STATUS and dataset.attrs.get("flag_meanings") != layout.FLAG_MEANINGS:
+    if name == layout.STATUS and netcdf.present(dataset.attrs, "flag_meanings") != layout.FLAG_MEANINGS:
         raise LutFormatError(path, f"{name}: flag_meanings must be {layout.FLAG_MEANINGS!r}")
     return dataset
 
 
 def find_dataset(path: Path, file: h5py.File, name: str, dtype: str) -> h5py.Dataset:
     """A dataset of a name and type."""
-    dataset = file.get(name)
+    dataset = netcdf.present(file, name)
     if not isinstance(dataset, h5py.Dataset):
         raise LutFormatError(path, f"{name}: is missing")
     if dataset.dtype != np.dtype(dtype):

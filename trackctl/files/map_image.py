@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.errors import MapError
+from trackctl.files.read_errors import why_unreadable
 from trackctl.files.regular_file import check_regular
 from trackctl.planning.planning_map import MAX_CELLS
 
@@ -55,7 +56,11 @@ def read_image(path: Path) -> GreyImage:
 
     check_regular(path)
     try:
-        with warnings.catch_warnings(action="ignore"), Image.open(path, formats=FORMATS) as image:
+        with (
+            warnings.catch_warnings(action="ignore"),
+            path.open("rb") as stream,
+            Image.open(stream, formats=FORMATS) as image,
+        ):
             _check_size(path, image)
             return _grey(path, image)
     except UnidentifiedImageError as error:
@@ -63,7 +68,7 @@ def read_image(path: Path) -> GreyImage:
     except Image.DecompressionBombError as error:
         raise MapError(path, f"is too large; allowed: up to {MAX_CELLS} pixels") from error
     except DAMAGE as error:
-        raise MapError(path, f"cannot be read as an image: {getattr(error, 'strerror', None) or error}") from error
+        raise MapError(path, why_unreadable(error, "cannot be read as an image")) from error
 
 
 def _check_size(path: Path, image: Image) -> None:

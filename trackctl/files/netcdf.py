@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from io import FileIO
+from typing import Any
 
 import h5py
 import numpy as np
@@ -94,6 +95,13 @@ def stored_attribute(value: object) -> object:
     if array.dtype.kind == "U":
         return [stored_attribute(text) for text in array.tolist()]
     return array.astype(np.int8) if array.dtype.kind == "b" else array
+
+
+def present(items: h5py.Group | h5py.AttributeManager, name: str) -> Any:
+    """The item or attribute of a name, None if there is none; `get` would take a failed read for that, too."""
+    if name not in items:
+        return None
+    return items[name]
 
 
 def plain_attributes(item: h5py.Group | h5py.Dataset) -> dict[str, object]:

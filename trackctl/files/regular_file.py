@@ -6,6 +6,7 @@ import stat
 from pathlib import Path
 
 from trackctl.errors import MapError
+from trackctl.files.read_errors import read_errors
 
 
 def check_regular(path: Path) -> int:
@@ -17,9 +18,10 @@ def check_regular(path: Path) -> int:
         If there is none, or it is a folder, a device or a pipe, which could block or never end.
     """
     try:
-        status = path.stat()
-    except (OSError, ValueError) as error:  # ValueError: a name with a null character
-        raise MapError(path, f"cannot be read: {getattr(error, 'strerror', None) or error}") from error
+        with read_errors(path, MapError):
+            status = path.stat()
+    except ValueError as error:  # a name with a null character
+        raise MapError(path, f"cannot be read: {error}") from error
     if not stat.S_ISREG(status.st_mode):
         kind = "a folder" if stat.S_ISDIR(status.st_mode) else "no regular file"
         raise MapError(path, f"is {kind}; allowed: a file")
@@ -36,7 +38,5 @@ def read_bytes(path: Path, largest: int) -> bytes:
     """
     if check_regular(path) > largest:
         raise MapError(path, f"is larger than {largest} bytes; allowed: a smaller map")
-    try:
+    with read_errors(path, MapError):
         return path.read_bytes()
-    except OSError as error:
-        raise MapError(path, f"cannot be read: {error.strerror}") from error

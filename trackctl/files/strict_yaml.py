@@ -12,6 +12,7 @@ from typing import Any
 import yaml
 
 from trackctl.errors import ProfileError
+from trackctl.files.read_errors import read_errors
 
 STDIN = "-"
 STDIN_LABEL = "<stdin>"
@@ -47,14 +48,12 @@ def read_text(source: str) -> tuple[str, str]:
         If the file is missing, a folder, not permitted, larger than `MAX_BYTES` or not UTF-8.
     """
     file = STDIN_LABEL if source == STDIN else source
-    try:
+    with read_errors(file, ProfileError):
         if source == STDIN:
             content = sys.stdin.buffer.read(MAX_BYTES + 1)
         else:
             with Path(source).open("rb") as stream:
                 content = stream.read(MAX_BYTES + 1)
-    except OSError as error:
-        raise ProfileError(file, f"cannot be read: {error.strerror}") from error
     if len(content) > MAX_BYTES:
         raise ProfileError(file, f"larger than {MAX_BYTES} bytes; allowed: a short YAML file")
     try:
