@@ -1,6 +1,5 @@
+import errno
 import os
-import resource
-import signal
 import subprocess
 import sys
 import tracemalloc
@@ -8,8 +7,10 @@ from itertools import islice
 
 import pytest
 from system_words import FILE_TOO_LARGE, NO_FILE
+from systems import disk_of, needs_file_limit
 
-from trackctl.errors import InputFileError, OutputError
+from trackctl.errors import InputFileError, OutputError, TrackctlWarning
+from trackctl.files import journal
 from trackctl.files.journal import Journal, journal_path
 
 DIGEST = "d" * 64
@@ -96,11 +97,25 @@ def test_a_damaged_byte_drops_its_record_and_what_follows(path, content):
         assert resumed(path) == dict(islice(PAYLOADS.items(), whole))
 
 
+def test_a_read_that_fails_is_no_torn_record(path, content, monkeypatch):
+    def fail(stream):
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr(journal, "whole_records", fail)
+    with pytest.raises(InputFileError, match="cannot be read: Input/output error"):
+        Journal.resume(path, DIGEST, REQUEST)
+    assert path.read_bytes() == content
+
+
 def test_survives_being_killed(path):
     run = subprocess.Popen([sys.executable, "-c", KILLED, str(path)], stdout=subprocess.PIPE)
     with run:
         run.stdout.readline()
-        run.send_signal(signal.SIGKILL)
+        try:
+            with pytest.raises(OutputError, match="in use by another run"):
+                Journal.resume(path, "d", {})
+        finally:
+            run.kill()
     with Journal.resume(path, "d", {}) as journal:
         assert journal.blocks() == set(range(len(journal.blocks())))
         assert len(journal.blocks()) > 100
@@ -156,6 +171,39 @@ def test_a_second_run_is_refused(path):
     Journal.resume(path, DIGEST, REQUEST).close()
 
 
+def without_locks(monkeypatch, number):
+    def refuse(descriptor, *, blocking):
+        raise OSError(number, os.strerror(number))
+
+    monkeypatch.setattr(journal, "lock_descriptor", refuse)
+
+
+@pytest.mark.parametrize("number", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])
+def test_where_there_are_no_locks_it_says_so_and_goes_on(path, monkeypatch, number):
+    without_locks(monkeypatch, number)
+    with pytest.warns(TrackctlWarning) as told, Journal.create(path, DIGEST, REQUEST) as begun:
+        begun.append(1, b"one")
+    assert [str(each.message) for each in told] == [
+        f"{path}: cannot be locked ({os.strerror(number)}); let no other run use it meanwhile"
+    ]
+    with pytest.warns(TrackctlWarning):
+        assert resumed(path) == {1: b"one"}
+
+
+@pytest.mark.filterwarnings("ignore:.*cannot be locked")
+def test_what_another_run_has_written_over_is_not_taken_for_a_block(path, monkeypatch):
+    without_locks(monkeypatch, errno.ENOLCK)
+    with Journal.create(path, DIGEST, REQUEST) as first:
+        for block, payload in enumerate((b"one", b"two")):
+            first.append(block, payload)
+        with Journal.create(path, DIGEST, REQUEST, force=True) as second:
+            second.append(1, b"1st")
+            for block in first.blocks():
+                with pytest.raises(InputFileError, match="changed by another run"):
+                    first.read(block)
+            assert second.read(1) == b"1st"
+
+
 def test_discard_removes_it(path):
     with Journal.create(path, DIGEST, REQUEST) as journal:
         journal.append(1, b"x")
@@ -168,17 +216,13 @@ def test_a_missing_folder(tmp_path):
         Journal.create(tmp_path / "missing" / "lut.h5.partial", DIGEST, REQUEST)
 
 
+@needs_file_limit
 def test_a_full_disk_keeps_the_blocks_before(path):
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     with Journal.create(path, DIGEST, REQUEST) as journal:
         journal.append(1, b"x" * 1000)
         size = os.path.getsize(path)
-        resource.setrlimit(resource.RLIMIT_FSIZE, (size + 100, limits[1]))
-        try:
-            with pytest.raises(OutputError, match=FILE_TOO_LARGE):
-                journal.append(2, b"y" * 1000)
-        finally:
-            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        with disk_of(size + 100), pytest.raises(OutputError, match=FILE_TOO_LARGE):
+            journal.append(2, b"y" * 1000)
         assert os.path.getsize(path) == size
         journal.append(3, b"z")
     assert resumed(path) == {1: b"x" * 1000, 3: b"z"}

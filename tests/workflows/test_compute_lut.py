@@ -1,9 +1,10 @@
-import resource
+import tracemalloc
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from systems import disk_of, needs_file_limit
 from table_runs import RANGES, VEHICLE, StoppedError, compiled, request, stop_after
 
 from trackctl.errors import InputFileError, NoAnswerError, OutputError, UsageError
@@ -94,16 +95,13 @@ def test_a_stream_is_refused(name):
         compiled(Path(name))
 
 
+@needs_file_limit
 @pytest.mark.parametrize("limit", [2_000, 30_000])
 def test_a_full_disk_keeps_the_checkpoint(tmp_path, whole, limit):
     """The smaller limit is met by the checkpoint, the larger one by the table."""
-    output, limits = tmp_path / "lut.h5", resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limits[1]))
-    try:
-        with pytest.raises(OutputError, match="--resume continues"):
-            compiled(output)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    output = tmp_path / "lut.h5"
+    with disk_of(limit), pytest.raises(OutputError, match="--resume continues"):
+        compiled(output)
     assert not output.exists()
     compiled(output, resume=True)
     assert output.read_bytes() == whole
@@ -121,7 +119,7 @@ def test_turns_to_both_sides_mirror_a_mirrored_vehicle(tmp_path):
 
 
 def test_cells_are_packed_in_little_memory(tmp_path, monkeypatch):
-    """Beside the table's 25 bytes a cell a run holds a few columns; the peak is of this process, so it is a bound."""
+    """Beside the table's 25 bytes a cell a run holds a few columns."""
 
     def stand_in(asked, column):
         cells = pending_cells((asked.axes.velocity.size, asked.axes.heading.size))
@@ -133,8 +131,11 @@ def test_cells_are_packed_in_little_memory(tmp_path, monkeypatch):
     monkeypatch.setattr(crew, "solve", stand_in)
     steps = explicit_steps(RANGES, 0.01, 0.1, np.radians(1.0))
     asked = request().divided(steps.divisions)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    compiled(tmp_path / "lut.h5", asked)
-    grown = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+    tracemalloc.start()
+    try:
+        compiled(tmp_path / "lut.h5", asked)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
     assert asked.axes.size > 1_800_000
-    assert grown < 100 * asked.axes.size
+    assert peak < 50 * asked.axes.size

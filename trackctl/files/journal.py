@@ -7,10 +7,11 @@ at any moment leaves at worst a torn last record, which is cut off when the run 
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 import struct
+import sys
+import warnings
 import zlib
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
@@ -18,8 +19,11 @@ from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, Self
 
-from trackctl.errors import InputFileError, OutputError
+from filelock import lock_descriptor
+
+from trackctl.errors import InputFileError, OutputError, TrackctlWarning
 from trackctl.files.atomic import output_errors
+from trackctl.files.read_errors import read_errors
 
 FORMAT = "trackctl-checkpoint"
 VERSION = 1
@@ -39,7 +43,8 @@ def journal_path(output: Path) -> Path:
 class Journal:
     """Finished blocks of a run, safe against its being killed; made by `create` or `resume`.
 
-    Memory holds only where each block lies. The file is locked against a second run until it is closed.
+    Memory holds only where each block lies. The file is locked against a second run until it is closed, where the file
+    system has locks.
     """
 
     def __init__(self, path: Path, file: FileIO) -> None:
@@ -120,15 +125,23 @@ class Journal:
         OutputError
             If the disk is full or the like; the blocks before stay safe.
         """
-        head = INDEX_AND_LENGTH.pack(block, len(payload))
-        checksum = zlib.crc32(payload, zlib.crc32(head))
-        self._write(head + CHECKSUM.pack(checksum) + payload)
+        self._write(record(block, payload))
         self._payloads[block] = (self._end - len(payload), len(payload))
 
     def read(self, block: int) -> bytes:
-        """The payload of one of `blocks`."""
+        """The payload of one of `blocks`.
+
+        Raises
+        ------
+        InputFileError
+            If it cannot be read, or another run has written over it, as can be where there are no locks.
+        """
         offset, length = self._payloads[block]
-        return os.pread(self._file.fileno(), length, offset)
+        content = self._read(offset - HEAD_BYTES, HEAD_BYTES + length)
+        payload = content[HEAD_BYTES:]
+        if content != record(block, payload):
+            raise InputFileError(self.path, "was changed by another run; --resume continues what is left of it")
+        return payload
 
     def blocks(self) -> set[int]:
         """Indices of the blocks that are there."""
@@ -140,12 +153,14 @@ class Journal:
 
     def discard(self) -> None:
         """Remove the file, its work done."""
+        if sys.platform == "win32":  # which removes no open file
+            self.close()
         self.path.unlink(missing_ok=True)
         self.close()
 
     def _holds_at_most(self, header: bytes) -> bool:
         """Whether the file is empty or was torn while this header was written."""
-        start = os.pread(self._file.fileno(), len(header), 0)
+        start = self._read(0, len(header))
         return len(start) < len(header) and header.startswith(start)
 
     def _start(self, header: bytes) -> None:
@@ -156,17 +171,24 @@ class Journal:
         """Add bytes at the end, all or none; `_end` moves once they are there."""
         with output_errors(self.path):
             try:
-                written = 0
-                while written < len(content):
-                    written += os.pwrite(self._file.fileno(), content[written:], self._end + written)
+                self._file.seek(self._end)
+                remaining = memoryview(content)
+                while remaining:
+                    remaining = remaining[self._file.write(remaining) :]
             except OSError:
                 self._file.truncate(self._end)
                 raise
         self._end += len(content)
 
+    def _read(self, offset: int, size: int) -> bytes:
+        """Bytes from a place on, fewer at the end of the file."""
+        with read_errors(self.path):
+            self._file.seek(offset)
+            return self._file.read(size)
+
     def _load(self, digest: str) -> None:
         """Find the whole records and cut off what follows them."""
-        with os.fdopen(os.dup(self._file.fileno()), "rb") as stream:
+        with read_errors(self.path), os.fdopen(os.dup(self._file.fileno()), "rb") as stream:
             stream.seek(0)
             check_header(self.path, stream.readline(MAX_HEADER_BYTES), digest)
             self._end = stream.tell()
@@ -181,19 +203,40 @@ def locked_file(path: Path) -> FileIO:
     while True:
         with ExitStack() as on_error:
             file = on_error.enter_context(FileIO(path, "r+", opener=create_or_open))
-            try:
-                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                raise OutputError(path, "is in use by another run; wait for it or choose another") from None
+            lock(path, file)
             # The run that held it may have removed it between the two calls.
             if path.exists() and os.path.samestat(os.fstat(file.fileno()), path.stat()):
                 on_error.pop_all()
                 return file
 
 
+def lock(path: Path, file: FileIO) -> None:
+    """Lock an open file until it is closed or the process ends; a courtesy, so that without locks it only warns.
+
+    Raises
+    ------
+    OutputError
+        If another run has locked it.
+    """
+    try:
+        is_ours = lock_descriptor(file.fileno(), blocking=False)
+    except OSError as error:
+        note = f"{path}: cannot be locked ({error.strerror}); let no other run use it meanwhile"
+        warnings.warn(note, TrackctlWarning, stacklevel=2)
+        return
+    if not is_ours:
+        raise OutputError(path, "is in use by another run; wait for it or choose another")
+
+
 def create_or_open(path: str, flags: int) -> int:
     """Opener that neither truncates an existing file nor refuses a missing one."""
     return os.open(path, flags | os.O_CREAT, 0o666)
+
+
+def record(block: int, payload: bytes) -> bytes:
+    """A block as it stands in the file."""
+    head = INDEX_AND_LENGTH.pack(block, len(payload))
+    return head + CHECKSUM.pack(zlib.crc32(payload, zlib.crc32(head))) + payload
 
 
 def header_line(digest: str, description: Mapping[str, object]) -> bytes:
