@@ -1,5 +1,5 @@
+import errno
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -8,6 +8,7 @@ import pytest
 import typer
 from patience import PATIENCE
 from system_words import NO_SPACE
+from systems import FULL_DISK, TRACKCTL, interrupt, needs_full_disk, needs_pipe, start
 from typer.testing import CliRunner
 
 from trackctl import __version__
@@ -16,20 +17,8 @@ from trackctl.cli.app import app, exit_codes
 from trackctl.errors import NoAnswerError, UsageError
 from trackctl.mechanics.parameters import STANDARD_GRAVITY
 
+SHIPPED = Path(__file__).parents[2] / "terrains"
 HEAVY = {"numpy", "numba", "scipy", "h5py", "yaml", "rich", "matplotlib"}
-FULL_DISK = Path("/dev/full")
-TRACKCTL = [sys.executable, "-m", "trackctl"]
-
-
-def heed_interrupts():
-    """For a command that is to be interrupted, though these tests may run in the background, where nothing is."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def start(*words, **streams):
-    return subprocess.Popen(
-        [*TRACKCTL, *words], stderr=subprocess.PIPE, text=True, **streams, preexec_fn=heed_interrupts
-    )
 
 
 def commands(command=None, path=()):
@@ -103,7 +92,46 @@ def test_a_closed_pipe_ends_quietly(words):
     assert process.communicate()[1] == ""
 
 
-@pytest.mark.skipif(not FULL_DISK.exists(), reason="this system has no full disk to try")
+def test_a_closed_pipe_ends_quietly_where_a_write_to_it_is_called_invalid(monkeypatch):
+    dropped = []
+    monkeypatch.setattr("trackctl.cli.app._drop_standard_output", lambda: dropped.append(True))
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert ending(OSError(errno.EINVAL, "Invalid argument")) == 0
+    assert ending(OSError(errno.EINVAL, "Invalid argument", "a?b.csv")) == 2
+    assert dropped == [True]
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-16"])
+def test_standard_output_is_utf_8_whatever_the_system_has(tmp_path, encoding):
+    file = tmp_path / "ground.yaml"
+    text = (SHIPPED / "grass.yaml").read_text(encoding="utf-8").replace("description: ", "description: Gelände ≤ 20°, ")
+    file.write_text(text, encoding="utf-8")
+    environment = os.environ | {"PYTHONIOENCODING": encoding}
+    shown = subprocess.run([*TRACKCTL, "profiles", "show", file], env=environment, stdout=subprocess.PIPE, check=True)
+    assert shown.stdout.decode("utf-8").splitlines() == text.splitlines()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs names of files that are any bytes")
+def test_a_name_that_is_no_text_can_be_told(tmp_path):
+    file = tmp_path / os.fsdecode(b"\xff.yaml")
+    file.write_bytes((SHIPPED / "grass.yaml").read_bytes())
+    checked = subprocess.run([*TRACKCTL, "profiles", "check", file], stdout=subprocess.PIPE, check=True)
+    assert checked.stdout.decode() == f"{tmp_path}/\\udcff.yaml: ok, terrain grass\n"
+
+
+@pytest.mark.parametrize(
+    ("stream", "words", "code"),
+    [("stdin", "profiles check -", 2), ("stdout", "profiles list", 0), ("stderr", "profiles check missing.yaml", 2)],
+)
+def test_a_stream_may_be_closed(stream, words, code):
+    run = f"import sys; sys.{stream} = None; import trackctl.__main__"
+    done = subprocess.run([sys.executable, "-c", run, *words.split()], capture_output=True, text=True)
+    assert done.returncode == code
+    assert "Traceback" not in done.stderr
+    assert ("<stdin>: is empty" in done.stderr) == (stream == "stdin")
+
+
+@needs_full_disk
 @pytest.mark.parametrize("words", [["--help"], ["profiles", "list"]])
 def test_a_full_disk_is_told(words):
     with FULL_DISK.open("w") as full:
@@ -112,13 +140,13 @@ def test_a_full_disk_is_told(words):
     assert process.returncode == 2
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a named pipe")
+@needs_pipe
 def test_ctrl_c_exits_130_without_a_traceback(tmp_path):
     fifo = tmp_path / "never.yaml"
     os.mkfifo(fifo)
     process = start("profiles", "check", str(fifo), stdout=subprocess.PIPE)
     with fifo.open("w"):  # returns once the command reads
-        process.send_signal(signal.SIGINT)
+        interrupt(process)
         _, err = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
     assert "Traceback" not in err

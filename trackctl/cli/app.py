@@ -6,12 +6,14 @@ completion stay quick.
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import sys
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import typer
 from typer.core import TyperGroup
@@ -83,10 +85,10 @@ def exit_codes() -> Iterator[None]:
         raise _exit(BAD_INPUT, error) from None
     except KeyboardInterrupt:
         raise _exit(INTERRUPTED) from None
-    except BrokenPipeError:
-        _drop_standard_output()
-        raise _exit(0) from None
     except OSError as error:
+        if _is_closed_pipe(error):
+            _drop_standard_output()
+            raise _exit(0) from None
         if error.filename is None:
             _drop_standard_output()
         raise _exit(BAD_INPUT, f"{error.filename or 'input or output'}: {error.strerror or error}") from None
@@ -129,6 +131,12 @@ def _exit(code: int, message: object = "") -> typer.Exit:
     return typer.Exit(code)
 
 
+def _is_closed_pipe(error: OSError) -> bool:
+    """Whether nobody reads standard output any more; Windows calls a write to it invalid."""
+    is_invalid = sys.platform == "win32" and error.errno == errno.EINVAL and error.filename is None
+    return isinstance(error, BrokenPipeError) or is_invalid
+
+
 def _drop_standard_output() -> None:
     """Leave nothing for Python to write, and fail at, when it ends."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -165,6 +173,16 @@ for name, group in GROUPS.items():
     app.add_typer(group, name=name)
 
 
+def _prepare_streams() -> None:
+    """Make standard output one of UTF-8, as files are, whatever the system's encoding; and replace closed streams."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:  # closed by the shell, or on Windows without a console
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+    # Names of files may hold what is no Unicode.
+    cast(io.TextIOWrapper, sys.stdout).reconfigure(encoding="utf-8", errors="backslashreplace")
+
+
 def main() -> None:
     """Run the command line."""
+    _prepare_streams()
     app(prog_name="trackctl")

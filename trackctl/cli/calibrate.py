@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import typer
 
@@ -33,6 +32,7 @@ def calibrate(
     Example:
       trackctl calibrate log.csv --vehicle utv-61cm -o terrain.yaml
     """
+    from trackctl.files.atomic import write_text
     from trackctl.files.profile_yaml import load_terrain, load_vehicle
     from trackctl.workflows.calibrate import CalibrateRequest, calibrated_terrain, calibration_summary, in_words
     from trackctl.workflows.calibrate import calibrate as fit
@@ -43,18 +43,10 @@ def calibrate(
     result = fit(request)
     text = calibrated_terrain(request, result)
     if output is not None and str(output) != STDOUT:
-        write_text(output, force, text)
+        write_text(output, text, force)
     elif not as_json:
         typer.echo(text, nl=False)
     if as_json:
         typer.echo(json.dumps(calibration_summary(result)))
     else:
         say(f"{result.windows} steady motions: {in_words(result)}", quiet)
-
-
-def write_text(output: Path, force: bool, text: str) -> None:
-    """Write a file that appears whole or not at all."""
-    from trackctl.files.atomic import whole_file
-
-    with whole_file(output, force) as path:
-        path.write_text(text, encoding="utf-8")

@@ -68,9 +68,9 @@ def write_file(output: Path, force: bool, columns: Mapping[str, Column], form: F
 
 
 def write_standard_output(columns: Mapping[str, Column], form: Form | None = None) -> None:
-    """Write a table to standard output, in the encoding of files whatever the terminal's."""
+    """Write a table to standard output, with the line ends of files whatever the system's."""
     from trackctl.files.csv_writer import write_csv
 
     stream = cast(io.TextIOWrapper, sys.stdout)
-    stream.reconfigure(encoding="utf-8", newline="")
+    stream.reconfigure(newline="")
     (form or write_csv)(stream, columns)

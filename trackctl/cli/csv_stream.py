@@ -32,7 +32,7 @@ def csv_stream(destination: CsvOutput) -> Iterator[Callable[[Mapping[str, Column
         yield lambda columns: None
     else:
         standard = cast(io.TextIOWrapper, sys.stdout)
-        standard.reconfigure(encoding="utf-8", newline="")
+        standard.reconfigure(newline="")
         yield appender(standard)
 
 

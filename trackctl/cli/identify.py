@@ -105,7 +105,7 @@ def log_or_stdin(log: str | None) -> str:
 
 def write_slip(save: Path, force: bool, request: IdentifyRequest, result: IdentifyResult) -> None:
     """Write what was learned."""
-    from trackctl.files.atomic import whole_file
+    from trackctl.files.atomic import write_text
     from trackctl.files.slip_yaml import SlipFile, slip_to_yaml
     from trackctl.workflows.provenance import provenance
 
@@ -122,8 +122,7 @@ def write_slip(save: Path, force: bool, request: IdentifyRequest, result: Identi
         made.created,
         made.history,
     )
-    with whole_file(save, force) as path:
-        path.write_text(slip_to_yaml(slip), encoding="utf-8")
+    write_text(save, slip_to_yaml(slip), force)
 
 
 def in_words(result: IdentifyResult) -> str:

@@ -94,7 +94,7 @@ def new(
     Example:
       trackctl profiles new vehicle -o my-vehicle.yaml
     """
-    from trackctl.files.atomic import whole_file
+    from trackctl.files.atomic import write_text
     from trackctl.files.profile_yaml import load_terrain, load_vehicle, profile_template
 
     if kind is ProfileKind.VEHICLE:
@@ -104,8 +104,7 @@ def new(
     if output is None or str(output) == "-":
         typer.echo(text, nl=False)
         return
-    with whole_file(output, force) as path:
-        path.write_text(text, encoding="utf-8")
+    write_text(output, text, force)
 
 
 GROUP_HELP = """Vehicle and terrain profiles.

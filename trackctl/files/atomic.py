@@ -72,6 +72,12 @@ def whole_file(path: Path, force: bool) -> Iterator[Path]:
             temporary.unlink(missing_ok=True)
 
 
+def write_text(path: Path, text: str, force: bool) -> None:
+    """Write a text file of the same bytes on every system; see `whole_file`."""
+    with whole_file(path, force) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
 def put_in_place(temporary: Path, path: Path, force: bool) -> None:
     """Give a whole file its name; without `force` only if no other run took the name at the last moment.
 
