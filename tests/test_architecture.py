@@ -4,6 +4,7 @@ import ast
 from pathlib import Path
 
 import pytest
+from systems import NOT_ON_WINDOWS
 
 PACKAGE = Path(__file__).parent.parent / "trackctl"
 ROOT = "trackctl"
@@ -44,6 +45,7 @@ HOMES = {
     "tifffile": {"files"},
     "matplotlib": {"plots"},
     "distributed": {"workflows"},
+    **{module: set() for module in NOT_ON_WINDOWS},
 }
 
 

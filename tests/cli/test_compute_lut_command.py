@@ -1,10 +1,10 @@
 import json
-import os
 
 import h5py
 import numpy as np
 import pytest
 import xarray
+from systems import needs_permissions
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -147,7 +147,7 @@ def test_an_existing_file_is_replaced_only_with_force(tmp_path):
     assert h5py.is_hdf5("lut.h5")
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root writes anywhere")
+@needs_permissions
 def test_a_read_only_folder_is_refused(tmp_path):
     (tmp_path / "closed").mkdir(mode=0o500)
     result = run(*SMALL, "-o", "closed/lut.h5")

@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from system_words import NO_SPACE
+from systems import FULL_DISK, needs_full_disk
 
 from trackctl.cli.csv_output import CsvOutput
 from trackctl.errors import OutputError, UsageError
@@ -11,7 +12,6 @@ from trackctl.errors import OutputError, UsageError
 COLUMNS = {"x_m": np.array([1.0, np.nan]), "note": ["a", "日本"]}
 TEXT = "x_m,note\n1.0,a\n,日本\n"
 SUMMARY = {"rows": 2}
-FULL_DISK = Path("/dev/full")
 
 
 @pytest.mark.parametrize("output", [None, Path("-")])
@@ -56,7 +56,7 @@ def test_places_that_cannot_be_written(tmp_path, path):
         CsvOutput(tmp_path / path, False, False).check()
 
 
-@pytest.mark.skipif(not FULL_DISK.exists(), reason="this system has no full disk to try")
+@needs_full_disk
 def test_a_full_disk():
     with pytest.raises(OutputError, match=f"/dev/full: cannot be written: {NO_SPACE}"):
         CsvOutput(FULL_DISK, False, False).write(COLUMNS, SUMMARY)

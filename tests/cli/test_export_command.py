@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from solved_tables import solved_table
 from system_words import NO_FILE
+from systems import needs_pipe
 from table_variants import part
 from typer.testing import CliRunner
 
@@ -189,7 +190,7 @@ def test_bad_input_exits_2_and_writes_nothing(folder, words, problem):
     assert files(folder) == set()
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a named pipe")
+@needs_pipe
 def test_a_pipe_is_refused(folder):
     os.mkfifo(folder / "pipe.npz")
     result = run("lut.h5", "-o", "pipe.npz")

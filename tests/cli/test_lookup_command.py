@@ -4,11 +4,11 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 from solved_tables import SLOPE, VEHICLE, solved_table
 from system_words import IS_FOLDER, NO_FILE, NO_SPACE
+from systems import needs_full_disk
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -231,7 +231,7 @@ def test_what_is_no_table_exits_2(run, folder, lut, problem):
     assert problem in result.stderr
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="this system has no full disk to try")
+@needs_full_disk
 def test_a_full_disk_exits_2(run):
     result = run("lut.h5", *ONE, "-o", "/dev/full")
     assert result.exit_code == 2

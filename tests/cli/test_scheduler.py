@@ -1,12 +1,12 @@
 """`compute-lut --scheduler` as a user runs it."""
 
-import signal
-import subprocess
 import sys
 import time
 
 from dask_cluster import Cluster
 from patience import PATIENCE
+from dask_cluster import Cluster
+from systems import interrupt, needs_interrupt, start
 from typer.testing import CliRunner
 
 from trackctl.cli.app import app
@@ -23,25 +23,16 @@ TABLE = (
 )
 
 
-def start(folder, *words):
-    command = [sys.executable, "-m", "trackctl", "compute-lut", *TABLE, "-o", str(folder / "lut.h5"), *words]
-    return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, preexec_fn=heed_interrupts)
-
-
-def heed_interrupts():
-    """Though these tests may run in the background, where nothing is interrupted."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
+@needs_interrupt
 def test_ctrl_c_on_a_cluster_keeps_what_is_done(tmp_path):
     checkpoint = tmp_path / "lut.h5.partial"
     with Cluster(tmp_path) as machines:
         machines.staff("one")
-        run = start(tmp_path, "--scheduler", machines.address)
+        run = start("compute-lut", *TABLE, "-o", tmp_path / "lut.h5", "--scheduler", machines.address)
         while not (checkpoint.exists() and checkpoint.stat().st_size > 20_000):
             assert run.poll() is None
             time.sleep(0.01)
-        run.send_signal(signal.SIGINT)
+        interrupt(run)
         _, told = run.communicate(timeout=PATIENCE)
     assert run.returncode == 130
     assert "lut.h5.partial keeps what is done, --resume continues" in told

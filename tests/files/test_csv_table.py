@@ -9,6 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from patience import PATIENCE
 from system_words import IS_FOLDER, NO_FILE, NO_FOLDER
+from systems import needs_pipe
 
 from trackctl.errors import InputFileError
 from trackctl.files.csv_table import column, find_header, read_csv
@@ -120,6 +121,7 @@ def test_standard_input(monkeypatch):
     assert table.columns["note"] == ["a", "b"]
 
 
+@needs_pipe
 def test_a_pipe(tmp_path):
     pipe = tmp_path / "pipe"
     os.mkfifo(pipe)

@@ -13,6 +13,7 @@ import pytest
 import xarray
 from lut_examples import ATTRIBUTES, GRAVITY, TERRAIN, VEHICLE, example_table
 from system_words import FILE_TOO_LARGE, NO_SPACE
+from systems import FULL_DISK, needs_file_limit, needs_full_disk, needs_pipe
 
 from trackctl import __version__
 from trackctl.errors import OutputError
@@ -208,6 +209,7 @@ def test_sensitivity(tmp_path, table):
 
 
 # From within the first attribute to within the last column.
+@needs_file_limit
 @pytest.mark.parametrize("limit", [100, 5_000, 30_000, 80_000, 100_000])
 def test_a_full_disk_leaves_nothing(tmp_path, limit):
     done = run(DISK_FULL, tmp_path / "lut.h5", limit)
@@ -217,21 +219,23 @@ def test_a_full_disk_leaves_nothing(tmp_path, limit):
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device that is always full")
+@needs_full_disk
 def test_a_full_device(table):
     with (
         pytest.raises(OutputError, match=NO_SPACE),
-        whole_file(Path("/dev/full"), True) as path,
+        whole_file(FULL_DISK, True) as path,
     ):
         write_lut(path, table)
 
 
+@needs_pipe
 def test_a_pipe_is_refused(tmp_path, table):
     os.mkfifo(tmp_path / "pipe")
     with pytest.raises(OutputError, match="no pipe"), whole_file(tmp_path / "pipe", False) as path:
         write_lut(path, table)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="needs a peak of memory in KiB, as Linux tells it")
 def test_memory_does_not_grow_with_the_table(tmp_path):
     done = run(MEMORY, tmp_path / "lut.h5")
     assert done.stderr == ""

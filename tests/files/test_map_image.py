@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from system_words import NO_FILE, NOT_PERMITTED
+from systems import needs_permissions, needs_pipe
 
 from trackctl.errors import MapError
 from trackctl.files.map_image import read_image
@@ -80,15 +81,18 @@ def test_what_is_no_image_file(tmp_path):
     assert "is no image; allowed: PPM, PNG" in refusal(text)
     text.write_text("")
     assert "is no image" in refusal(text)
-    pipe = tmp_path / "pipe.pgm"
-    os.mkfifo(pipe)
-    assert "is no regular file" in refusal(pipe)
     fractions = tmp_path / "fractions.pfm"
     fractions.write_bytes(b"Pf\n1 1\n-1.0\n" + np.float32(0.5).tobytes())
     assert "holds fractions" in refusal(fractions)
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may read all")
+@needs_pipe
+def test_a_pipe_is_no_image_file(tmp_path):
+    os.mkfifo(tmp_path / "pipe.pgm")
+    assert "is no regular file" in refusal(tmp_path / "pipe.pgm")
+
+
+@needs_permissions
 def test_a_file_that_is_not_permitted(tmp_path):
     path = tmp_path / "map.pgm"
     path.write_bytes(b"P5 1 1 255\n0")

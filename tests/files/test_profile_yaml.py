@@ -1,5 +1,4 @@
 import dataclasses
-import os
 import re
 import sys
 import time
@@ -8,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from system_words import IS_FOLDER, NO_FILE, NOT_PERMITTED
+from systems import needs_permissions
 
 from trackctl.errors import ProfileError
 from trackctl.files.profile_folders import ProfileKind, profile_files
@@ -318,7 +318,7 @@ def test_a_missing_file_and_a_folder_are_refused(tmp_path):
         load_vehicle(str(tmp_path))
 
 
-@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may read everything")
+@needs_permissions
 def test_a_file_without_permission_is_refused(tmp_path):
     path = tmp_path / "profile.yaml"
     path.touch(mode=0)

@@ -4,6 +4,7 @@ import subprocess
 import sys
 
 from patience import PATIENCE
+from systems import needs_fork
 
 #: Each run is a child of one warm process; whichever step it is in, a kill may meet it.
 KILLS = """
@@ -42,6 +43,7 @@ print(killed, output.read_bytes() == (folder / "whole.h5").read_bytes())
 """
 
 
+@needs_fork
 def test_killed_at_random_moments_it_goes_on_to_the_same_bytes(tmp_path, request):
     words = (str(request.config.rootpath / "tests"), str(tmp_path))
     run = subprocess.run([sys.executable, "-c", KILLS, *words], capture_output=True, text=True, timeout=PATIENCE)

@@ -1,24 +1,12 @@
 """Every command that writes: onto a full disk, into a closed folder, over an existing file."""
 
-import resource
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from systems import disk_of, needs_file_limit
 from writing_commands import COMMANDS
 
 CLOSED = Path("/proc/sys")
-
-
-@contextmanager
-def disk_of(size):
-    """No file may grow beyond a size [bytes]; what the disk says then is `File too large`."""
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, limits[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
 
 
 def told_once(result, path):
@@ -27,6 +15,7 @@ def told_once(result, path):
     return result.exit_code == 2 and "Traceback" not in result.output and str(path) in told and told.count("\n") == 1
 
 
+@needs_file_limit
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
 def test_a_full_disk_leaves_what_was_there(tmp_path, run, inputs, command):
     output = tmp_path / f"out{command.suffix}"
