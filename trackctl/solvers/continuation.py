@@ -41,8 +41,8 @@ def curve(n: int) -> np.dtype[np.void]:
     system and its Newton step, `by_parameter` the derivative of the function by the parameter.
     """
     names = ("point", "before", "predicted", "tangent", "normal", "step")
-    vectors = [(name, np.float64, n + 1) for name in names]
-    more = [("by_parameter", np.float64, n), ("matrix", np.float64, (n + 1, n + 1))]
+    vectors = [(name, np.float64, (n + 1,)) for name in names]
+    more = [("by_parameter", np.float64, (n,)), ("matrix", np.float64, (n + 1, n + 1))]
     return np.dtype([*vectors, *more], align=True)
 
 

@@ -39,7 +39,7 @@ def swarm(particles: int, dimensions: int) -> np.dtype[np.void]:
             ("position", np.float64, each),
             ("velocity", np.float64, each),
             ("best", np.float64, each),
-            ("cost", np.float64, particles),
+            ("cost", np.float64, (particles,)),
         ],
         align=True,
     )

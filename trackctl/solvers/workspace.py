@@ -17,13 +17,13 @@ def workspace(n: int) -> np.dtype[np.void]:
     """Scratch memory for a system of n equations in n unknowns."""
     return np.dtype(
         [
-            ("residual", np.float64, n),
+            ("residual", np.float64, (n,)),
             ("jacobian", np.float64, (n, n)),
-            ("trial", np.float64, n),
-            ("trial_residual", np.float64, n),
+            ("trial", np.float64, (n,)),
+            ("trial_residual", np.float64, (n,)),
             ("trial_jacobian", np.float64, (n, n)),
             ("matrix", np.float64, (n, n)),
-            ("step", np.float64, n),
+            ("step", np.float64, (n,)),
         ],
         align=True,
     )
