@@ -177,7 +177,9 @@ def basis_matrix(space: SplineSpace, places: Array, derivative: int) -> csr_arra
     columns = (span - space.degree)[:, None] + np.arange(space.degree + 1)
     starts = np.arange(places.size + 1) * (space.degree + 1)
     values = space.basis(places, span, derivative).T.ravel()
-    return csr_array((values, columns.ravel(), starts), shape=(places.size, space.size))
+    # Before scipy 1.15 `milp` takes no indices of 64 bits.
+    indices = columns.ravel().astype(np.int32), starts.astype(np.int32)
+    return csr_array((values, *indices), shape=(places.size, space.size))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
