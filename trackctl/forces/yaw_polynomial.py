@@ -59,11 +59,11 @@ def solve_polynomial(model: ForceModel, reference: Reference, order: int) -> Yaw
 
         def step() -> Array:
             rows = -residual.by_sideslip[:, None] * yaws + residual.by_yaw_gradient[:, None] * gradients
-            return np.asarray(np.linalg.lstsq(roots[:, None] * rows, -right)[0])
+            return np.asarray(np.linalg.lstsq(roots[:, None] * rows, -right, rcond=None)[0])
 
         return float(right @ right), step
 
     steady = points.tangent - steady_sideslip(model, points, points.curvature)
-    start = np.asarray(np.linalg.lstsq(roots[:, None] * yaws, roots * steady)[0], np.float64)
+    start = np.asarray(np.linalg.lstsq(roots[:, None] * yaws, roots * steady, rcond=None)[0], np.float64)
     unknowns, iterations = gauss_newton(linearised, start)
     return YawSolution(PolynomialYaw(Chebyshev(unknowns, [0.0, length])), edges, np.empty(0), iterations)
