@@ -47,7 +47,7 @@ def read_geotiff(path: Path) -> HeightGrid:
     try:
         with warnings.catch_warnings(action="ignore"), path.open("rb") as stream, tifffile.TiffFile(stream) as tiff:
             return _grid(path, tiff.pages[0])
-    except DAMAGE as error:
+    except (*DAMAGE, tifffile.TiffFileError) as error:
         raise MapError(path, why_unreadable(error, "cannot be read as a GeoTIFF")) from error
 
 
