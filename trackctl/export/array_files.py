@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -64,8 +65,11 @@ def write_npz(path: Path, table: GriddedTable, numbers: Mapping[str, float], tex
         "units": np.array([row for row in UNITS.items() if row[0] in arrays or row[0] in numbers]),
     }
     everything: dict[str, Any] = {**arrays, **numbers, **words, **texts}
-    with path.open("wb") as stream:
-        np.savez_compressed(stream, **everything)
+    # As np.savez_compressed, which before NumPy 2 does not close an archive that a full disk cut short.
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, value in everything.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(value), allow_pickle=False)
 
 
 def table_arrays(table: GriddedTable) -> dict[str, np.ndarray[Any, Any]]:
