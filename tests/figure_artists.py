@@ -20,3 +20,8 @@ def legend_texts(figure):
 def look(line):
     """What tells a line from others in grey."""
     return line.is_dashed(), line.get_marker()
+
+
+def span_edges(patch):
+    """Where a shaded span begins and ends, in data; matplotlib before 3.9 makes it a polygon."""
+    return patch.get_extents().transformed(patch.axes.transData.inverted()).intervalx.tolist()

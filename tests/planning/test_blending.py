@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
 
 from trackctl.planning.blending import JUMP, Adjustment, Line, blended_route, jumping_route, stretches_of
 from trackctl.planning.pose import advanced
@@ -82,7 +83,7 @@ def test_turns_keep_their_angles():
     """A moving mean leaves the integral as it is; the adjustment changes little."""
     route, _, found = blended("left, straight, right")
     (line,) = found.lines
-    turned = np.trapezoid(line.curvature, line.knots)
+    turned = trapezoid(line.curvature, line.knots)
     assert turned == pytest.approx(float((route.curvature * route.length).sum()), abs=1e-10)
     assert line.length == pytest.approx(float(route.length.sum()) + BLEND, rel=0.02)
 

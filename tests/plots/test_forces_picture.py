@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from figure_artists import labelled, legend_texts, line_data
+from figure_artists import labelled, legend_texts, line_data, span_edges
 from plot_examples import by_name, forces
 
 from trackctl.plots.forces import draw_forces
@@ -53,8 +53,9 @@ def test_what_is_not_feasible_is_hatched(columns):
     for axes in figure.axes[1:]:
         (stretch,) = axes.patches
         assert stretch.get_hatch()
-        assert way[wrong[0] - 1] < stretch.get_x() < way[wrong[0]]
-        assert way[wrong[-1]] < stretch.get_x() + stretch.get_width() < way[wrong[-1] + 1]
+        begin, end = span_edges(stretch)
+        assert way[wrong[0] - 1] < begin < way[wrong[0]]
+        assert way[wrong[-1]] < end < way[wrong[-1] + 1]
     assert legend_texts(figure) == ["total", "right minus left", "left track", "right track", "not feasible"]
     feasible = draw_forces(columns | {"feasible": np.ones(way.size)})
     assert not [axes for axes in feasible.axes if axes.patches]

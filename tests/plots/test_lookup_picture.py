@@ -1,5 +1,6 @@
 import numpy as np
-from figure_artists import labelled, legend_texts, line_data
+import pytest
+from figure_artists import labelled, legend_texts, line_data, span_edges
 from plot_examples import by_name, lookup
 
 from trackctl.plots.lookup import draw_lookup
@@ -21,7 +22,7 @@ def test_points_and_commands_over_the_rows():
     assert labels == ["Speed [m/s]", "Rate [rad/s]", "Curvature [1/m]", "Slip [%]", "Heading [°]", "Angle [°]"]
     for axes in figure.axes:
         (stretch,) = axes.patches
-        assert (stretch.get_x(), stretch.get_x() + stretch.get_width()) == (7.5, 10.0)
+        assert span_edges(stretch) == pytest.approx([7.5, 10.0])
     assert legend_texts(figure) == ["left track", "right track", "no answer"]
 
 

@@ -3,6 +3,7 @@ import io
 import matplotlib as mpl
 import numpy as np
 import pytest
+from figure_artists import span_edges
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -63,7 +64,7 @@ def test_running_mean():
 def test_shade_reaches_half_way_to_the_neighbours():
     axes = Figure().subplots()
     style.shade(axes, np.array([0.0, 1.0, 2.0, 4.0]), np.array([False, True, False, True]), "bad")
-    assert [(patch.get_x(), patch.get_width()) for patch in axes.patches] == [(0.5, 1.0), (3.0, 1.0)]
+    assert [span_edges(patch) for patch in axes.patches] == [pytest.approx([0.5, 1.5]), pytest.approx([3.0, 4.0])]
     assert [patch.get_label() for patch in axes.patches] == ["bad", "_"]
 
 
