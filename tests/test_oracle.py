@@ -8,6 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from model_cases import DOCUMENTED, SMALL
 from oracle import (
     Floats,
     OraclePoint,
@@ -30,42 +31,6 @@ from oracle import (
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
-DOCUMENTED = OraclePoint(
-    mass=3400,
-    gauge=1.72,
-    width=0.34,
-    length=2.35,
-    cog_height=0.72,
-    cog_forward=0.11,
-    cog_left=-0.06,
-    friction=0.52,
-    shear_modulus=0.018,
-    cohesion=1600,
-    resistance=0.09,
-    gravity=9.80665,
-    slope=math.radians(16),
-    velocity=4.0,
-    curvature=0.25,
-    heading=math.radians(30),
-)
-SMALL = OraclePoint(
-    mass=120,
-    gauge=0.61,
-    width=0.15,
-    length=0.8,
-    cog_height=0.25,
-    cog_forward=0,
-    cog_left=0,
-    friction=0.8,
-    shear_modulus=0.01,
-    cohesion=0,
-    resistance=0.04,
-    gravity=9.80665,
-    slope=math.radians(12.13),
-    velocity=0.4,
-    curvature=1 / 0.948,
-    heading=0.3,
-)
 FULL = replace(DOCUMENTED, heading=2.0, velocity=2.0)
 # Centre of pressure beyond a sixth of the length, ahead and behind.
 FRONT_LOADED = replace(FULL, cog_forward=0.3, heading=3.1, slope=0.3)
