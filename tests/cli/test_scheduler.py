@@ -5,7 +5,6 @@ import time
 
 from dask_cluster import Cluster
 from patience import PATIENCE
-from dask_cluster import Cluster
 from systems import interrupt, needs_interrupt, start
 from typer.testing import CliRunner
 

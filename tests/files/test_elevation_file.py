@@ -3,6 +3,7 @@ import io
 import math
 import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
