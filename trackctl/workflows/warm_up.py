@@ -203,14 +203,14 @@ PIECES = {
     "sensitivity": Piece(_sensitivity, 0.6),
 }
 
-_SOLVING = ("balance", "branch", "swarm", "point")
+_SOLVER = ("balance", "branch", "swarm")
 #: Pieces that commands need, by what they do.
 TASKS = {
-    "solve points": _SOLVING,
-    "solve columns": (*_SOLVING, "column"),
-    "compile a table": (*_SOLVING, "column", "interpolation", "sensitivity"),
+    "solve points": (*_SOLVER, "point"),
+    "solve columns": (*_SOLVER, "column"),
+    "compile a table": (*_SOLVER, "point", "column", "interpolation", "sensitivity"),
     "look up": ("interpolation",),
-    "indices": (*_SOLVING, "sensitivity"),
+    "indices": (*_SOLVER, "point", "sensitivity"),
     "plan": ("growth", "track force", "polishing", "simplification", "path rule", "driving"),
     "simulate": ("simulation", "track force", "path rule"),
     "filter a log": ("filter",),
