@@ -127,7 +127,7 @@ def connect(
     x, y, tangent, gear = start
     local = seen_from(x, y, tangent, end[0], end[1], end[2], radius)
     words = task.estimates[: _estimate_all(task, gear, local, radius, way)]
-    best, best_word = bound, -1
+    best, best_word = bound, int(np.int64(-1))  # no literal: numba would compile `_write` for it, too
     for _ in range(TRIED):
         word = int(np.argmin(words))
         if not words[word] < best:

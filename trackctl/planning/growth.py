@@ -249,7 +249,7 @@ def grow(task: Task, tree: Tree, growth: Growth, iterations: int) -> tuple[int, 
         Iterations done, and whether the last one found a better solution.
     """
     task = lent_task(task)
-    if tree.size[0] == 1 and growth.bound[0] == np.inf and shoot(task, tree, growth, 0):
+    if tree.size[0] == 1 and growth.bound[0] == np.inf and shoot(task, tree, growth, tree.size[0] - 1):
         return 1, True
     for iteration in range(iterations):
         x, y = _draw_point(task, tree, growth)

@@ -177,7 +177,7 @@ def _append(way: Way, count: int, curvature: float, length: float, pivot: float)
     return count + 1
 
 
-@kernel
+@inlined
 def _append_all(way: Way, count: int, more: Way, first: int, last: int) -> int:
     for i in range(first, last):
         count = _append(way, count, more.curvature[i], more.length[i], more.pivot[i])

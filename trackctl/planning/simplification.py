@@ -46,7 +46,7 @@ def simplified(task: Task, route: Route) -> tuple[Route, float]:
 def simplify(task: Task, path: Path, radii: Array, most: float) -> bool:
     """Replace runs of a measured path from its start on, the longest first, up to a cost; whether there were any."""
     task, path = lent_task(task), lent_path(path)
-    first, any_replaced = 0, False
+    first, any_replaced = int(np.int64(0)), False  # no literal: numba would compile `_shortened` for it, too
     while first + SHORTEST_RUN <= path.piece_count[0]:
         run = min(LONGEST_RUN, path.piece_count[0] - first)
         while run >= SHORTEST_RUN and not _shortened(task, path, radii, first, run, most):
@@ -72,7 +72,7 @@ def _shortened(task: Task, path: Path, radii: Array, first: int, run: int, most:
     if radius == 0.0:
         return False
     pieces = connect(task, start, end, radius, bound, path.first)[1]
-    changed = replace_stretch(path, path.position[first], path.position[last], (pieces, 0))
+    changed = replace_stretch(path, path.position[first], path.position[last], (pieces, int(np.int64(0))))
     if changed >= count:
         return False
     swap(path, changed)

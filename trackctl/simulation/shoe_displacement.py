@@ -104,7 +104,7 @@ def remembered_displacements(
 ) -> None:
     """Shear displacements from the points of entry; see `displacements`."""
     side = track.side
-    first = 0
+    first = int(np.int64(0))  # no literal: numba would compile `since_entry` for it, too
     while first < places.size:
         label = memory.travel + side * (places[first] + track.unloaded)
         piece = find(memory, entries, label, piece, side)
