@@ -6,7 +6,7 @@ import tracemalloc
 from itertools import islice
 
 import pytest
-from system_words import FILE_TOO_LARGE, NO_FILE
+from system_words import CANNOT_READ, FILE_TOO_LARGE, NO_FILE
 from systems import disk_of, needs_file_limit
 
 from trackctl.errors import InputFileError, OutputError, TrackctlWarning
@@ -99,10 +99,10 @@ def test_a_damaged_byte_drops_its_record_and_what_follows(path, content):
 
 def test_a_read_that_fails_is_no_torn_record(path, content, monkeypatch):
     def fail(stream):
-        raise OSError(errno.EIO, "Input/output error")
+        raise OSError(errno.EIO, CANNOT_READ)
 
     monkeypatch.setattr(journal, "whole_records", fail)
-    with pytest.raises(InputFileError, match="cannot be read: Input/output error"):
+    with pytest.raises(InputFileError, match=f"cannot be read: {CANNOT_READ}"):
         Journal.resume(path, DIGEST, REQUEST)
     assert path.read_bytes() == content
 
@@ -175,7 +175,7 @@ def without_locks(monkeypatch, number):
     def refuse(descriptor, *, blocking):
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(journal, "lock_descriptor", refuse)
+    monkeypatch.setattr("filelock.lock_descriptor", refuse)
 
 
 @pytest.mark.parametrize("number", [errno.ENOSYS, errno.ENOLCK, errno.EOPNOTSUPP])

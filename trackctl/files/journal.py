@@ -19,8 +19,6 @@ from io import FileIO
 from pathlib import Path
 from typing import BinaryIO, Self
 
-from filelock import lock_descriptor
-
 from trackctl.errors import InputFileError, OutputError, TrackctlWarning
 from trackctl.files.atomic import output_errors
 from trackctl.files.read_errors import read_errors
@@ -218,6 +216,8 @@ def lock(path: Path, file: FileIO) -> None:
     OutputError
         If another run has locked it.
     """
+    from filelock import lock_descriptor  # here, as it hooks into each fork of the program
+
     try:
         is_ours = lock_descriptor(file.fileno(), blocking=False)
     except OSError as error:
