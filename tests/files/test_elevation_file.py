@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from system_words import NO_FILE
+from system_words import CANNOT_READ, NO_FILE
 
 from trackctl.errors import MapError, MissingLibraryError
 from trackctl.files.elevation_file import metres_per_degree, read_elevation
@@ -336,11 +336,11 @@ def test_what_is_no_elevation_in_a_geotiff_is_refused(tmp_path, tags, heights, w
 def test_the_systems_reason_is_told(tmp_path, monkeypatch):
     class FailingFile(io.FileIO):
         def readinto(self, buffer):
-            raise OSError(errno.EIO, "Input/output error")
+            raise OSError(errno.EIO, CANNOT_READ)
 
     path = geotiff(tmp_path, [SCALE, TIE])
     monkeypatch.setattr(Path, "open", lambda path, mode: io.BufferedReader(FailingFile(path, mode)))
-    assert refusal(path) == f"{path}: cannot be read: Input/output error"
+    assert refusal(path) == f"{path}: cannot be read: {CANNOT_READ}"
 
 
 def test_geotiff_without_its_library(tmp_path, monkeypatch):

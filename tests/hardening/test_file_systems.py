@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from readers import READERS
+from system_words import CANNOT_READ
 from writing_commands import SMALL_TABLE
 
 from trackctl.errors import TrackctlError
@@ -70,7 +71,7 @@ for words in [line.split() for line in sys.argv[2:]]:
 """
 
 READ_BY_READ = """
-import ctypes, sys
+import ctypes, errno, os, sys
 from pathlib import Path
 from trackctl.errors import LutFormatError
 from trackctl.files.lut_details import count_cells_beyond, read_sensitivity
@@ -83,7 +84,7 @@ for read in (read_lut, read_lut_header, read_sensitivity, lambda path: count_cel
         try:
             read(path)
         except LutFormatError as error:
-            assert str(error) == f"{path}: cannot be read: Input/output error", (reads, str(error))
+            assert str(error) == f"{path}: cannot be read: {os.strerror(errno.EIO)}", (reads, str(error))
         else:
             break
     print(reads)
@@ -135,4 +136,4 @@ def test_every_reader_tells_the_systems_reason(reader, tmp_path):
     path.symlink_to(UNREADABLE)
     with pytest.raises(TrackctlError) as raised:
         read(str(path))
-    assert str(raised.value) == f"{path}: cannot be read: Input/output error"
+    assert str(raised.value) == f"{path}: cannot be read: {CANNOT_READ}"
