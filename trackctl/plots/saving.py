@@ -23,4 +23,4 @@ def save(figure: Figure, path: Path) -> None:
     suffix = path.suffix.lower()
     drawn = BytesIO()
     figure.savefig(drawn, format=suffix[1:], metadata=TIMELESS[suffix])
-    path.write_bytes(drawn.getbuffer())
+    path.write_bytes(drawn.getvalue())
