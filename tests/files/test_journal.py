@@ -20,12 +20,14 @@ PAYLOADS = {7: b"seven", 0: b"", 3: bytes(range(256))}
 KILLED = """
 from pathlib import Path
 import sys
+import time
 from trackctl.files.journal import Journal
 journal = Journal.create(Path(sys.argv[1]), "d", {})
-for block in range(10**9):
+for block in range(20_000):
     journal.append(block, block.to_bytes(8, "little") * 1000)
     if block == 100:
         print("ready", flush=True)
+time.sleep(3600)
 """
 
 
