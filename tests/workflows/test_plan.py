@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from trackctl.errors import LutMismatchError, NoAnswerError, UsageError
+from trackctl.errors import LutMismatchError, NoAnswerError, OutputError, TrackctlWarning, UsageError
 from trackctl.files.lut_writer import write_lut
 from trackctl.files.profile_yaml import load_terrain, load_vehicle
 from trackctl.geometry.circle import Circle
@@ -288,3 +288,24 @@ def test_what_a_table_compiles_is_not_compiled_in_its_threads(monkeypatch, tmp_p
     assert told == [Seeding.CONTINUATION, "threads"]
     plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
     assert len(told) == 2
+
+
+def test_a_table_that_cannot_be_kept_is_solved_all_the_same(monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    nodes = np.array([0.1])
+    with pytest.warns(TrackctlWarning, match="the table cannot be kept"):
+        table = plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
+    assert np.any(table.status == 0)
+
+
+def test_a_full_disk_of_the_cache_is_no_error_of_the_plan(monkeypatch, tmp_path):
+    def full(path, table):
+        raise OutputError(path, "cannot be written: the disk is full")
+
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(plan_table, "write_lut", full)
+    nodes = np.array([0.1])
+    with pytest.warns(TrackctlWarning, match="the disk is full"):
+        plan_table.cached_table(VEHICLE, TERRAIN, GRAVITY, nodes, 0.3, lambda done, total: None)
+    assert not list(tmp_path.rglob("*.h5"))

@@ -7,20 +7,20 @@ A command annotates its parameter with one of these and states the default::
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from trackctl.files.profile_folders import ProfileKind, profile_files
+from trackctl.machine import cores
 
 DEFAULT_VEHICLE = "utv-61cm"
 DEFAULT_TERRAIN = "asphalt"
 DEFAULT_GRAVITY = 9.80665
 DEFAULT_SEED = 0
 #: All cores that this process may use.
-DEFAULT_JOBS = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+DEFAULT_JOBS = cores()
 MAX_GRAVITY = 100.0
 
 

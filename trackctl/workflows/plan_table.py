@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-import os
+import warnings
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from trackctl.compiled import cache_root
-from trackctl.errors import InputFileError, UsageError
+from trackctl.errors import InputFileError, OutputError, TrackctlWarning, UsageError
 from trackctl.files.atomic import whole_file
 from trackctl.files.lut_match import check_matches
 from trackctl.files.lut_reader import read_lut
@@ -100,14 +100,15 @@ def cached_table(
     sweep = Sweep(track_model(vehicle, terrain, gravity), axes, Seeding.CONTINUATION, 0)
     nodes = {name: getattr(axes, name).tolist() for name in ("slope", "velocity", "curvature", "heading")}
     profiles = {"vehicle": asdict(vehicle), "terrain": asdict(terrain)}
-    file = cache_root() / "tables" / f"{digest_of({**profiles, 'gravity': gravity, **nodes})[:32]}.h5"
+    name = f"{digest_of({**profiles, 'gravity': gravity, **nodes})[:32]}.h5"
     try:
+        file = cache_root() / "tables" / name
         table = read_lut(file)
         check_matches(table, vehicle, terrain, gravity, file)
         return table
     except (InputFileError, OSError):
         table = compiled_table(sweep, vehicle, terrain, gravity, progress, jobs)
-    keep(file, table)
+    keep(name, table)
     return table
 
 
@@ -130,14 +131,17 @@ def compiled_table(
     return Table(sweep.axes, values, status, vehicle, terrain, gravity)
 
 
-def keep(file: Path, table: Table) -> None:
-    """Write a table to the cache, if that can be written to."""
+def keep(name: str, table: Table) -> None:
+    """Write a table to the cache, or warn that it cannot be kept."""
     try:
-        os.makedirs(file.parent, exist_ok=True)
+        file = cache_root() / "tables" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
         with whole_file(file, force=True) as path:
             write_lut(path, table)
-    except OSError:
-        return
+    except (OSError, OutputError) as error:
+        reason = getattr(error, "strerror", None) or error
+        text = f"the table cannot be kept ({reason}), so that each plan solves it anew"
+        warnings.warn(text, TrackctlWarning, stacklevel=2)
 
 
 def users_table(

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextlib
 import math
-import os
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator
@@ -19,6 +18,7 @@ from threading import Lock
 from typing import TYPE_CHECKING
 
 from trackctl.compiled import Compiled, compile_for, kernel_folder, reason_not_kept
+from trackctl.machine import cores
 
 if TYPE_CHECKING:
     from trackctl.mechanics.parameters import TrackModel
@@ -222,11 +222,6 @@ def missing(tasks: Iterable[str]) -> list[str]:
     """Pieces of tasks that no earlier run has compiled, in the order of `PIECES`."""
     wanted = {name for task in tasks for name in TASKS[task]}
     return [name for name in PIECES if name in wanted and not _is_marked(name)]
-
-
-def cores() -> int:
-    """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def estimate(names: Collection[str]) -> float:
