@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from tables import print_machine
 
-WARM_RUNS = 7
+WARM_RUNS = 5
 REPOSITORY = Path(__file__).parents[1]
 IMPORTS = "import numba, h5py"
 

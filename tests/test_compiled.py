@@ -182,3 +182,25 @@ def test_other_errors_are_not_taken_for_faults_of_the_cache():
 
     with pytest.raises(Exception, match="no_such_thing"):
         wrong(1.0)
+
+
+def test_a_setting_of_numba_that_is_wrong_loses_nothing(tmp_path):
+    fresh(tmp_path)
+    before = kept(tmp_path)
+    told = fresh(tmp_path, NUMBA_CACHE_LOCATOR_CLASSES="no.such.Locator")
+    assert told.count("TrackctlWarning") == 1
+    assert "no.such.Locator" in told
+    assert kept(tmp_path) == before
+
+
+def test_without_compiling_there_is_one_message():
+    code = "from trackctl.cli.app import main; main()"
+    run = subprocess.run(
+        [sys.executable, "-c", code, "sweep", "--slope-deg", "5", "--velocity-mps", "1", "--radius-m", "5"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"},
+    )
+    assert run.returncode == 2
+    assert run.stderr.splitlines()[-1].startswith("Error: NUMBA_DISABLE_JIT: 1 is not allowed")
+    assert "Traceback" not in run.stderr

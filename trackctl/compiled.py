@@ -16,6 +16,7 @@ import os
 import shutil
 import tempfile
 import threading
+import traceback
 import warnings
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
@@ -25,7 +26,7 @@ from typing import Any, ClassVar, TypeVar, cast
 
 import numpy as np
 
-from trackctl.errors import TrackctlWarning
+from trackctl.errors import TrackctlWarning, UsageError
 
 Function = TypeVar("Function", bound=Callable[..., object])
 
@@ -35,7 +36,7 @@ KERNEL_ROOMS = ("mechanics", "solvers", "lut", "planning", "sensitivity", "ident
 #: Parts of the folder: numba's cache does not tell the makes of a function apart.
 FOR_PYTHON, FOR_KERNELS = "for_python", "for_kernels"
 #: Where numba reads and writes compiled code.
-NUMBA_CACHE = "numba.core.caching"
+NUMBA_CACHE, NUMBA_LOADING = "numba.core.caching", "load_overload"
 #: numba's own locators, which go on to serve all other packages.
 NUMBA_LOCATORS = ",".join(f"{kind}CacheLocator" for kind in ("UserProvided", "InTree", "UserWide", "IPython", "Zip"))
 
@@ -178,23 +179,32 @@ class Compiled:
             try:
                 return act()
             except Exception as error:
-                if not is_of_the_cache(error):
+                if not functions_passed(error):
                     raise
                 fault = error
             cls._overcome(fault)
 
     @classmethod
     def _overcome(cls, fault: Exception) -> None:
-        """Forget what cannot be read; the second time, or where the system refuses, keep nothing from now on."""
+        """Forget what cannot be read; the second time, or after any other fault, keep nothing from now on."""
         with cls._lock:
             cls._faults += 1
-            if isinstance(fault, OSError) or cls._faults > 1:
-                cls._keep_none(fault)
-            else:
+            is_unreadable = NUMBA_LOADING in functions_passed(fault) and not isinstance(fault, OSError)
+            if is_unreadable and cls._faults == 1:
                 shutil.rmtree(kernel_folder(), ignore_errors=True)
+            else:
+                cls._keep_none(fault)
             for function in cls.functions.values():
                 cls._retired += function._made.values()  # somebody may hold an address
                 function._made.clear()
+
+    @classmethod
+    def kept_files(cls) -> list[Path]:
+        """Index files of what this process has compiled or loaded, in `kernel_folder`."""
+        folder = kernel_folder()
+        made = [(part, each) for each in cls.functions.values() for part in each._made]
+        patterns = (f"{part}/{each._function.__module__}/*.{each._function.__name__}-*.nbi" for part, each in made)
+        return sorted({file.relative_to(folder) for pattern in patterns for file in folder.glob(pattern)})
 
     @classmethod
     def are_kept(cls) -> bool:
@@ -245,10 +255,19 @@ class Inlined(Compiled):
 
 @functools.cache
 def numba() -> Any:
-    """numba, which is told that to a kernel a function is what numba makes of it."""
+    """numba, which is told that to a kernel a function is what numba makes of it.
+
+    Raises
+    ------
+    UsageError
+        If its user has switched compiling off.
+    """
     import numba as package
     from numba.extending import typeof_impl
 
+    config: Any = package.config
+    if config.DISABLE_JIT:
+        raise UsageError("NUMBA_DISABLE_JIT", config.DISABLE_JIT, "0, since kernels run compiled only")
     for kind in (Compiled, Inlined, Procedure):
         typeof_impl.register(kind, lambda value, context: typeof_impl(_for_kernels(value), context))
     return package
@@ -275,14 +294,10 @@ def interpreted() -> Iterator[None]:
         _interpreted.reset(token)
 
 
-def is_of_the_cache(error: Exception) -> bool:
-    """Whether an error was raised where compiled code is read or written, or its folder made."""
-    step = error.__traceback__
-    while step is not None:
-        if step.tb_frame.f_globals.get("__name__") == NUMBA_CACHE:
-            return True
-        step = step.tb_next
-    return False
+def functions_passed(error: Exception) -> set[str]:
+    """Names of the functions of numba's cache that an error has passed through; none if it is not of the cache."""
+    frames = (frame for frame, _ in traceback.walk_tb(error.__traceback__))
+    return {frame.f_code.co_name for frame in frames if frame.f_globals.get("__name__") == NUMBA_CACHE}
 
 
 def kernel(function: Function) -> Function:
@@ -313,6 +328,7 @@ def procedure(signature: Any) -> Callable[[Callable[..., object]], Procedure]:
 
 def call_by_address(signature: Any) -> Callable[..., Any]:
     """How kernels call a `procedure`: a function of its address, then of its arguments."""
+    numba()
     from llvmlite import ir
     from numba import types
     from numba.extending import intrinsic
@@ -336,6 +352,7 @@ def lending() -> Callable[[Any], Any]:
 
     Where small kernels hand each other tuples of arrays, counting takes most of the time.
     """
+    numba()
     from numba.core import cgutils
     from numba.extending import intrinsic
 

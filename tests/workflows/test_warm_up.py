@@ -120,9 +120,44 @@ def test_an_interrupt_ends_the_other_processes(small, monkeypatch):
     started[1].communicate()
 
 
+WORKER = [sys.executable, "-m", "trackctl.workflows.warm_up"]
+
+
 def test_the_other_process_names_what_it_has_compiled(monkeypatch, tmp_path):
     monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
-    command = [sys.executable, "-m", "trackctl.workflows.warm_up"]
-    run = subprocess.run(command, input="sensitivity\n", capture_output=True, text=True)
-    assert run.stdout == "sensitivity\n"
+    with subprocess.Popen(WORKER, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as worker:
+        worker.stdin.write("sensitivity\n")
+        worker.stdin.flush()
+        assert worker.stdout.readline() == "sensitivity\n"
     assert missing(["indices"]) == [name for name in PIECES if name in TASKS["indices"] and name != "sensitivity"]
+    next(tmp_path.rglob("*.nbi")).unlink()
+    assert "sensitivity" in missing(["indices"])
+
+
+def test_the_other_process_says_that_it_keeps_nothing(monkeypatch, tmp_path):
+    (tmp_path / "file").touch()
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "file" / "cache"))
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(WORKER, text=True, **pipes) as worker:
+        worker.stdin.write("sensitivity\n")
+        worker.stdin.flush()
+        assert worker.stdout.readline() == "not kept\n"
+
+
+def test_the_other_process_ends_with_the_one_that_asks(monkeypatch, tmp_path):
+    """Though it is in the middle of a piece."""
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path))
+    run = subprocess.run(WORKER, input="growth\n", capture_output=True, text=True)
+    assert (run.returncode, run.stdout) == (0, "")
+    assert "growth" in missing(["plan"])
+
+
+def test_files_of_the_current_folder_are_not_run(monkeypatch, tmp_path):
+    """`python -m` would put the folder before all others."""
+    monkeypatch.setenv("TRACKCTL_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "numpy.py").write_text("open('run', 'w')", encoding="utf-8")
+    with_cores(monkeypatch, 2)
+    warm_up.warm_up(["sensitivity", "point"])
+    assert not (tmp_path / "run").exists()
+    assert missing(["indices"]) == ["balance", "branch", "swarm"]

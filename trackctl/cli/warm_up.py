@@ -34,6 +34,8 @@ def warm_up(quiet: options.Quiet = False, as_json: options.Json = False) -> None
         say(f"compiling kernels; this takes about {estimate(names):.0f} s", quiet)
         with bar("compiling", "%", quiet) as progress:
             compile_all(names, progress)
+    if missing(TASKS):
+        raise OutputError(kernel_folder(), "does not keep all that was compiled; is the disk full?")
     seconds, folder = time.perf_counter() - started, kernel_folder()
     if as_json:
         typer.echo(json.dumps({"compiled": len(names), "seconds": round(seconds, 3), "folder": str(folder)}))

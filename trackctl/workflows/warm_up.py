@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import contextlib
 import math
+import os
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock
+from queue import SimpleQueue
+from threading import Lock, Thread
 from typing import TYPE_CHECKING
 
 from trackctl.compiled import Compiled, compile_for, kernel_folder, reason_not_kept
@@ -279,7 +281,7 @@ def _other_process() -> Iterator[subprocess.Popen[str]]:
     """A process that runs `main` while the block runs."""
     pipe, nowhere = subprocess.PIPE, subprocess.DEVNULL
     with subprocess.Popen(
-        [sys.executable, "-m", __name__], stdin=pipe, stdout=pipe, stderr=nowhere, text=True
+        [sys.executable, "-P", "-m", __name__], stdin=pipe, stdout=pipe, stderr=nowhere, text=True
     ) as other:
         try:
             yield other
@@ -299,12 +301,13 @@ def _ask(other: subprocess.Popen[str], name: str) -> bool:
 
 
 def _compile(name: str) -> None:
-    """Compile a piece here and now, and mark it if it could be kept."""
+    """Compile a piece here and now; if it could be kept, mark it by the names of its files."""
     PIECES[name].compile()
     if Compiled.are_kept():
         with contextlib.suppress(OSError):
             _mark(name).parent.mkdir(parents=True, exist_ok=True)
-            _mark(name).touch()
+            files = "".join(f"{file.as_posix()}\n" for file in Compiled.kept_files())
+            _mark(name).write_text(files, encoding="utf-8")
 
 
 def _mark(name: str) -> Path:
@@ -312,17 +315,28 @@ def _mark(name: str) -> Path:
 
 
 def _is_marked(name: str) -> bool:
+    """Whether a piece has been compiled, and its files are still there."""
     try:
-        return _mark(name).exists()
-    except OSError:
+        files = _mark(name).read_text(encoding="utf-8").splitlines()
+        return all((kernel_folder() / file).is_file() for file in files)
+    except (OSError, UnicodeDecodeError):
         return False
 
 
 def main() -> None:
-    """Compile the pieces named on standard input, a line each, and name each on standard output once it is done."""
-    for line in sys.stdin:
-        _compile(line.strip())
-        print(line.strip(), flush=True)  # noqa: T201  the other process reads it
+    """Compile the pieces named on standard input, a line each, and name each on standard output once it is kept."""
+    asked: SimpleQueue[str] = SimpleQueue()
+
+    def listen() -> None:
+        for line in sys.stdin:
+            asked.put(line.strip())
+        os._exit(0)  # whoever asks has ended
+
+    Thread(target=listen, daemon=True).start()
+    while True:
+        name = asked.get()
+        _compile(name)
+        print(name if _is_marked(name) else "not kept", flush=True)  # noqa: T201  the other process reads it
 
 
 if __name__ == "__main__":
