@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import kernel
 
 FULL_CIRCLE = 2.0 * math.pi
 #: A turn this close below the full circle is none, and circles this close to touching do: rounding. [rad], [radii]
@@ -24,7 +24,7 @@ WORDS = np.array(
 WORD_COUNT = 6
 
 
-@inlined
+@kernel
 def _turn(angle: float) -> float:
     """The angle's equal in [0, 2 pi), a full circle by rounding being none. [rad]"""
     rest = angle - FULL_CIRCLE * math.floor(angle / FULL_CIRCLE)
@@ -87,7 +87,7 @@ def dubins_word(x: float, y: float, turn: float, word: int) -> tuple[float, floa
     return _arc_in_between(x, y, turn, WORDS[word, 0])
 
 
-@inlined
+@kernel
 def seen_from(
     x: float, y: float, tangent: float, end_x: float, end_y: float, end_tangent: float, unit: float
 ) -> tuple[float, float, float]:

@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import kernel
 from trackctl.planning.dubins import seen_from
 from trackctl.planning.pieces import Way
 
@@ -20,13 +20,13 @@ FULL_CIRCLE = 2.0 * math.pi
 STRAIGHT = 1e-9
 
 
-@inlined
+@kernel
 def _turned(angle: float) -> float:
     """The angle's equal in [0, 2 pi). [rad]"""
     return angle - FULL_CIRCLE * math.floor(angle / FULL_CIRCLE)
 
 
-@inlined
+@kernel
 def single_arc(x: float, y: float) -> tuple[float, float]:
     """Curvature and length of the arc through the origin, along x there, and a point. [1/m], [m]"""
     squared = x * x + y * y

@@ -165,7 +165,7 @@ def _pose_at(path: Path, piece: int, position: float) -> tuple[float, float, flo
     return advanced(path.x[piece], path.y[piece], path.tangent[piece], path.pieces.curvature[piece], length)
 
 
-@inlined
+@kernel
 def _append(way: Way, count: int, curvature: float, length: float, pivot: float) -> int:
     """Add a piece to a way, joined to the one before if it goes on alike; the number of pieces, `CAPACITY` at most."""
     if (length == 0.0 and pivot == 0.0) or count >= CAPACITY:
@@ -177,7 +177,7 @@ def _append(way: Way, count: int, curvature: float, length: float, pivot: float)
     return count + 1
 
 
-@inlined
+@kernel
 def _append_all(way: Way, count: int, more: Way, first: int, last: int) -> int:
     for i in range(first, last):
         count = _append(way, count, more.curvature[i], more.length[i], more.pivot[i])

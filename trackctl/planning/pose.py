@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import kernel
 
 #: Turned by less than this, a chord's length is told by its series. [rad]
 SMALL_TURN = 1e-4
 
 
-@inlined
+@kernel
 def wrapped(angle: float) -> float:
     """The angle's equal in [-pi, pi). [rad]"""
     return angle - 2.0 * math.pi * math.floor(angle / (2.0 * math.pi) + 0.5)

@@ -10,7 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import kernel
 
 #: State of a stream, shape (1,).
 Stream = NDArray[np.uint64]
@@ -28,7 +28,7 @@ def stream_of(seed: int) -> Stream:
     return np.random.SeedSequence(seed).generate_state(1, np.uint64).astype(np.uint64)
 
 
-@inlined
+@kernel
 def uniform(stream: Stream) -> float:
     """Evenly distributed over [0, 1)."""
     stream[0] += STEP

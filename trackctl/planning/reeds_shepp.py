@@ -13,7 +13,7 @@ import math
 
 import numpy as np
 
-from trackctl.compiled import inlined, kernel
+from trackctl.compiled import kernel
 from trackctl.planning.pieces import Way
 from trackctl.planning.pose import wrapped
 
@@ -24,17 +24,17 @@ ROUNDING = 1e-12
 CCC, CCCC, CCSC, CSCC, CCSCC, WORD_COUNT = 8, 12, 24, 40, 56, 64
 
 
-@inlined
+@kernel
 def _set(way: Way, i: int, sense: float, length: float) -> None:
     way.curvature[i], way.length[i], way.pivot[i] = sense, length, 0.0
 
 
-@inlined
+@kernel
 def _sign(word: int, bit: int) -> float:
     return 1.0 if (word >> bit) & 1 else -1.0
 
 
-@inlined
+@kernel
 def _between_centres(x: float, y: float, turn: float, first: float, last: float) -> tuple[float, float]:
     """Length and direction of the vector from the first circle's centre to the last one's."""
     across_x, across_y = x - last * math.sin(turn), y + last * math.cos(turn) - first
