@@ -1,5 +1,6 @@
 """What a first run says, and that later runs compile nothing."""
 
+import json
 import os
 import subprocess
 import sys
@@ -89,3 +90,12 @@ def test_after_a_warm_up_no_command_compiles(tmp_path):
         assert "compiling" not in result.stderr
         added = set(kernel_folder().rglob("*.nbc")) - before
         assert not added, words
+
+
+def test_a_dry_run_counts_on_the_time_of_a_swarm(compiled):
+    words = ["compute-lut", "--dry-run", "--budget", "50000", "--jobs", "1", "--json"]
+    seconds = [
+        json.loads(CliRunner().invoke(app, [*words, "--seeding", seeding]).stdout)["seconds"]
+        for seeding in ("continuation", "pso")
+    ]
+    assert seconds[1] > 10.0 * seconds[0]

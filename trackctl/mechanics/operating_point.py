@@ -31,10 +31,6 @@ class OperatingPoint(NamedTuple):
     centripetal: float
 
 
-#: Standing on level ground.
-AT_REST = OperatingPoint(0.0, 0.0, 1.0, 0.0, 0.0)
-
-
 @inlined
 def operating_point(
     model: TrackModel, slope: float, velocity: float, curvature: float, heading: float
