@@ -142,6 +142,8 @@ class Compiled:
 
     #: All of them, by their Python functions.
     functions: ClassVar[dict[Callable[..., object], Compiled]] = {}
+    #: Called once, before the first of them is compiled or loaded: input has been read by then, and found good.
+    before_first: ClassVar[Callable[[], None] | None] = None
     _kept: ClassVar[bool] = True
     _faults: ClassVar[int] = 0
     _retired: ClassVar[list[Any]] = []
@@ -168,6 +170,10 @@ class Compiled:
         """What numba makes of the function; it may meet a fault of the cache."""
         made = self._made.get(part)
         if made is None:
+            with self._lock:
+                announce, Compiled.before_first = Compiled.before_first, None
+                if announce is not None:
+                    announce()
             with self._lock, own_locator(part):
                 made = self._made[part] = self.compiler(cache=Compiled._kept, **options)(self._function)
         return made

@@ -25,13 +25,13 @@ def compiled(monkeypatch, tmp_path):
 
 
 def test_only_the_first_run_is_announced(compiled, monkeypatch, capsys):
-    first_run.compile_first(False, "look up")
+    first_run.compile_now(False, "look up")
     assert capsys.readouterr().err.startswith("compiling kernels, once; this takes about ")
     assert compiled == ["interpolation"]
-    first_run.compile_first(True, "look up")
+    first_run.compile_now(True, "look up")
     assert capsys.readouterr().err == ""
     monkeypatch.setattr(warm_up, "missing", lambda tasks: [])
-    first_run.compile_first(False, "look up")
+    first_run.compile_now(False, "look up")
     assert capsys.readouterr() == ("", "")
 
 
@@ -63,6 +63,7 @@ COMMANDS = {
     "filter a log": "identify log.csv --save slip.yaml -o updates.csv",
     "calibrate": "calibrate log.csv -o terrain.yaml",
 }
+ROWS = "velocity_mps,radius_m,heading_deg\n" + 100 * "1,5,90\n"
 MAP = (
     "bounds_m: [0, 0, 10, 10]\nobstacles:\n  circles: [[5, 5, 1]]\nslope_deg: 5\nstart: [1, 1, 45]\ngoal: [9, 9, 45]\n"
 )
@@ -79,8 +80,7 @@ def test_after_a_warm_up_no_command_compiles(tmp_path):
     assert result.returncode == 0, result.stderr
     before = set(kernel_folder().rglob("*.nbc"))
     (tmp_path / "map.yaml").write_text(MAP, encoding="utf-8")
-    rows = "velocity_mps,radius_m,heading_deg\n" + 100 * "1,5,90\n"
-    (tmp_path / "rows.csv").write_text(rows, encoding="utf-8")
+    (tmp_path / "rows.csv").write_text(ROWS, encoding="utf-8")
     for task, words in COMMANDS.items():
         if task == "filter a log":
             turns = "simulate --track-speeds-mps 0.4,0.6 --duration-s 20 --slope-deg 0 -o log.csv"
@@ -99,3 +99,13 @@ def test_a_dry_run_counts_on_the_time_of_a_swarm(compiled):
         for seeding in ("continuation", "pso")
     ]
     assert seconds[1] > 10.0 * seconds[0]
+
+
+def test_bad_input_is_told_before_anything_is_compiled(compiled, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for words in (["identify", "none.csv"], ["lookup", "none.h5", "rows.csv"], ["sensitivity", "--slope-deg", "nan"]):
+        (tmp_path / "rows.csv").write_text(ROWS, encoding="utf-8")
+        result = CliRunner().invoke(app, words)
+        assert result.exit_code == 2
+        assert "compiling" not in result.stderr
+    assert compiled == []

@@ -6,7 +6,17 @@ from trackctl.cli.progress import bar, say
 
 
 def compile_first(quiet: bool, *tasks: str) -> None:
-    """Compile what tasks of `trackctl.workflows.warm_up` need and no earlier run has compiled."""
+    """Compile what tasks of `trackctl.workflows.warm_up` need and no earlier run has, once the first kernel is called.
+
+    Not at once: a command that ends with its input should not compile for it.
+    """
+    from trackctl.compiled import Compiled
+
+    Compiled.before_first = lambda: compile_now(quiet, *tasks)
+
+
+def compile_now(quiet: bool, *tasks: str) -> None:
+    """Compile what tasks need and no earlier run has compiled."""
     from trackctl.workflows.warm_up import estimate, missing, warm_up
 
     names = missing(tasks)
