@@ -166,7 +166,7 @@ def tell_most(
     else:
         cells = most_cells(budget, tolerance)
         say("steps are drawn once kernels are compiled, which `trackctl warm-up` does beforehand", quiet)
-    tell_bound(cells, blank.seeding, chosen, jobs, as_json)
+    tell_bound(cells, blank, chosen, jobs, as_json)
 
 
 def most_cells(budget: int | None, tolerance: float | None) -> int:

@@ -12,7 +12,6 @@ import typer
 from trackctl.cli.progress import say
 
 if TYPE_CHECKING:
-    from trackctl.lut.sweep import Seeding
     from trackctl.workflows.table_request import TableRequest
     from trackctl.workflows.table_steps import ChosenSteps
     from trackctl.workflows.table_summary import ErrorCertificate, TableSummary
@@ -61,11 +60,11 @@ def tell_estimate(request: TableRequest, chosen: ChosenSteps, jobs: int, as_json
     tell_cost(estimate(request, jobs), "", chosen, as_json)
 
 
-def tell_bound(cells: int, seeding: Seeding, chosen: ChosenSteps | None, jobs: int, as_json: bool) -> None:
+def tell_bound(cells: int, blank: TableRequest, chosen: ChosenSteps | None, jobs: int, as_json: bool) -> None:
     """Print cells, bytes and time without a measurement, and the most of them where no steps are chosen."""
     from trackctl.workflows.estimate import rough_estimate
 
-    tell_cost(rough_estimate(cells, seeding, jobs), "" if chosen else "at most ", chosen, as_json)
+    tell_cost(rough_estimate(cells, blank.seeding, jobs), "" if chosen else "at most ", chosen, as_json)
 
 
 def tell_cost(found: dict[str, float], bound: str, chosen: ChosenSteps | None, as_json: bool) -> None:
